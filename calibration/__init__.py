@@ -1,0 +1,1 @@
+"""How each calibrated value of a cell is measured, fitted, judged and kept."""

@@ -1,0 +1,44 @@
+"""What callers need of the television under the playground and of its picture."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+
+class Display(Protocol):
+    """The television as a switchable device; its picture comes over `Screen`."""
+
+    def open(self) -> str:
+        """Connect and check the link; return the identity."""
+
+    def close(self) -> None:
+        """Disconnect, leaving the set as it is."""
+
+    def switch_on(self) -> None:
+        """Switch the set on and return when it takes commands."""
+
+    def switch_off(self) -> None:
+        """Put the set into standby."""
+
+    def is_on(self) -> bool:
+        """Return whether the set is on."""
+
+    def select_input(self, number: int) -> None:
+        """Select an input of the profile's table."""
+
+    def set_volume(self, volume: int) -> None:
+        """Set the volume, 0 to 60."""
+
+
+class Screen(Protocol):
+    """Puts a picture on the display, full screen, 1920 x 1080."""
+
+    def show(self, picture: str) -> None:
+        """Show a picture by name; it is on when this returns.
+
+        Raises:
+            DeviceError: There is no such picture, or it cannot be shown.
+        """
+
+    def shown(self) -> str:
+        """Return the name of the picture that was shown last."""

@@ -1,0 +1,109 @@
+"""The errors of `cell`: one tree, each carrying the data its message is made of.
+
+CellError
+├── ProfileError        the profile is wrong
+├── LinkError           bytes do not travel
+├── DeviceError         a device refused, failed or did not answer
+│   └── DeviceTimeout   it did not answer in time
+├── MotionRefused       the guard turned a motion down
+├── UnreachablePose     no joint angles give the pose
+├── GripFailed          the fingers closed and hold nothing
+├── StoreError          the store has no such slot or block
+├── LedgerError         the ledger cannot be read or written
+├── VisionError         a picture cannot be read as expected
+├── Stopped             somebody asked the operation to stop
+└── StillHeld           another process has the cell
+"""
+
+from __future__ import annotations
+
+
+class CellError(Exception):
+    """Base of every error raised by `cell`; its text is fit for a technician."""
+
+
+class ProfileError(CellError):
+    """The profile cannot be used; the text says which field and what is allowed."""
+
+
+class LinkError(CellError):
+    """Bytes cannot be sent or received over a link."""
+
+
+class DeviceError(CellError):
+    """A device refused a request, reported a fault or answered nonsense.
+
+    Attributes:
+        device: Name of the device in the profile, such as `arm`.
+        problem: What happened, without the device's name.
+        code: The device's own error number, or None.
+        hint: What to do about it, or an empty string.
+    """
+
+    def __init__(
+        self, device: str, problem: str, *, code: int | None = None, hint: str = ""
+    ) -> None:
+        self.device = device
+        self.problem = problem
+        self.code = code
+        self.hint = hint
+        number = "" if code is None else f" (error {code})"
+        advice = f"; {hint}" if hint else ""
+        super().__init__(f"{device}: {problem}{number}{advice}")
+
+
+class DeviceTimeout(DeviceError):
+    """A device did not answer or did not finish in time."""
+
+
+class UnreachablePose(CellError):
+    """No joint angles within the limits bring the arm to the pose."""
+
+
+class MotionRefused(CellError):
+    """The guard turned a motion down; nothing was sent to the arm.
+
+    Attributes:
+        what: The joint, plane, box or figure that is violated, such as `J5`.
+        value: The value asked for.
+        limit: The limit it violates.
+        nearest: The nearest allowed value.
+        unit: Unit of the three figures, such as `deg` or `mm`.
+    """
+
+    def __init__(
+        self, what: str, *, value: float, limit: float, nearest: float, unit: str, why: str
+    ) -> None:
+        self.what = what
+        self.value = value
+        self.limit = limit
+        self.nearest = nearest
+        self.unit = unit
+        super().__init__(
+            f"{what} {why}: {value:.1f} {unit} asked, limit {limit:.1f} {unit}, "
+            f"nearest allowed {nearest:.1f} {unit}"
+        )
+
+
+class GripFailed(CellError):
+    """The fingers closed and hold nothing, or not what was expected."""
+
+
+class StoreError(CellError):
+    """The store has no such slot, or no block of that kind and colour left."""
+
+
+class LedgerError(CellError):
+    """The ledger of blocks cannot be read or written."""
+
+
+class VisionError(CellError):
+    """A picture cannot be read as expected."""
+
+
+class Stopped(CellError):
+    """The operation ended early because somebody asked it to."""
+
+
+class StillHeld(CellError):
+    """Another process has this cell."""

@@ -1,0 +1,1 @@
+"""How bytes travel to and from a device: in memory, captured, replayed."""

@@ -1,0 +1,34 @@
+"""A link that lets a tap see every byte that passes."""
+
+from __future__ import annotations
+
+from cell.links.base import Link, Tap
+
+
+class CapturedLink:
+    """Wraps a link and shows both directions to a tap."""
+
+    def __init__(self, link: Link, tap: Tap) -> None:
+        self._link = link
+        self._tap = tap
+
+    @property
+    def name(self) -> str:
+        """Name of the device behind the link."""
+        return self._link.name
+
+    def write(self, data: bytes) -> None:
+        """Send bytes and show them to the tap."""
+        self._tap(self._link.name, "to_device", data)
+        self._link.write(data)
+
+    def read(self, timeout_s: float) -> bytes:
+        """Receive bytes and show them to the tap."""
+        data = self._link.read(timeout_s)
+        if data:
+            self._tap(self._link.name, "from_device", data)
+        return data
+
+    def close(self) -> None:
+        """Close the wrapped link."""
+        self._link.close()

@@ -1,0 +1,62 @@
+"""A link that replays a capture: it knows what must be sent and what is answered."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+from cell.errors import LinkError
+from cell.links.base import Direction
+
+
+class ScriptedLink:
+    """Answers a driver from recorded traffic and insists on the same requests."""
+
+    def __init__(self, name: str, traffic: Iterable[tuple[Direction, bytes]]) -> None:
+        self._name = name
+        self._expected = deque(traffic)
+        self._is_open = True
+
+    @property
+    def name(self) -> str:
+        """Name of the device behind the link."""
+        return self._name
+
+    @property
+    def is_exhausted(self) -> bool:
+        """Whether all recorded traffic was used."""
+        return not self._expected
+
+    def write(self, data: bytes) -> None:
+        """Check `data` against the recording.
+
+        Raises:
+            LinkError: The recording has other bytes here, or none, or the link is closed.
+        """
+        self._require_open()
+        rest = data
+        while rest:
+            if not self._expected or self._expected[0][0] != "to_device":
+                raise LinkError(f"{self._name}: the capture has no request here, sent {rest!r}")
+            recorded = self._expected.popleft()[1]
+            common = min(len(rest), len(recorded))
+            if rest[:common] != recorded[:common]:
+                raise LinkError(f"{self._name}: the capture has {recorded!r}, sent {rest!r}")
+            if len(recorded) > common:
+                self._expected.appendleft(("to_device", recorded[common:]))
+            rest = rest[common:]
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return the next recorded answer, or nothing when a request is due first."""
+        self._require_open()
+        if self._expected and self._expected[0][0] == "from_device":
+            return self._expected.popleft()[1]
+        return b""
+
+    def close(self) -> None:
+        """Let the link go."""
+        self._is_open = False
+
+    def _require_open(self) -> None:
+        if not self._is_open:
+            raise LinkError(f"the link to {self._name} is closed")

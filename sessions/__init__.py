@@ -1,0 +1,1 @@
+"""Serve `.cell` scripts to experiment clients over MAS, record and replay them."""
