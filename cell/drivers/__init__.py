@@ -1,0 +1,1 @@
+"""One package a device model: codec (no I/O), tables, driver."""

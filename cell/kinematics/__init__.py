@@ -1,0 +1,1 @@
+"""Forward and inverse kinematics of the supported arms. Radians live only here."""

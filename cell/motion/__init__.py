@@ -1,0 +1,1 @@
+"""What happens between a wish to move and a command to the arm: the guard."""

@@ -1,0 +1,1 @@
+"""Recordings of sessions: the MCAP file, its writer and its reader."""

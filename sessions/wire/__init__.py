@@ -1,0 +1,1 @@
+"""The MAS line protocol without I/O: words, commands, replies, dialects."""

@@ -1,0 +1,1 @@
+"""Mitsubishi MELFA controllers: the R3 text protocol."""

@@ -1,0 +1,1 @@
+"""Sharp AQUOS televisions: the RS-232 control protocol."""
