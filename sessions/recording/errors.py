@@ -1,0 +1,9 @@
+"""What can go wrong with a recording."""
+
+from __future__ import annotations
+
+from sessions.errors import SessionsError
+
+
+class RecordingError(SessionsError):
+    """A recording cannot be written, found or read; the text names the file."""

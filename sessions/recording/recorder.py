@@ -1,0 +1,258 @@
+"""Writes a session down while it runs: the journal, the tap on the wires, the events.
+
+Small messages of a step gather in a buffer that leaves in one write before the
+step's reply does. Views are finished later by a thread of their own, so a reply
+that carries one only names its number (`client/view_sent`); the record in
+`views/*` follows.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+
+from cell.clock import Clock
+from cell.events import EventBus
+from cell.links.base import Direction
+from sessions.journal import Reply, SessionStart
+from sessions.recording import layout
+from sessions.recording.errors import RecordingError
+from sessions.recording.events_json import encode_event, event_schema
+from sessions.recording.file import RecordingFile
+from sessions.recording.pictures import PictureStorage
+from sessions.recording.records import MESSAGE_FIELDS_SIZE, MESSAGE_HEAD
+from sessions.recording.view_writer import ViewWriter
+
+_log = logging.getLogger(__name__)
+
+_FLUSH_BYTES = 16_384
+_EVENT_CAPACITY = 100_000
+_OPCODE_MESSAGE = 5
+_EVENT_SCHEMA = layout.SchemaText(name="robocell.Event", encoding="jsonschema", text=event_schema())
+
+
+class SessionRecorder:
+    """The journal of one session, kept in one MCAP file.
+
+    A disk that fails must not stop an arm: the first failure is logged, nothing
+    more is written, and the file stays without its summary ("not finished").
+    """
+
+    def __init__(
+        self,
+        file: RecordingFile,
+        start: SessionStart,
+        *,
+        events: EventBus,
+        clock: Clock,
+        views: PictureStorage,
+        calibration: Mapping[str, str],
+        started_utc: datetime,
+    ) -> None:
+        """Write the start of the session into a fresh file.
+
+        Args:
+            file: The file.
+            start: What a replay needs to begin.
+            events: Where the cell's events come from.
+            clock: The session's clock; all times in the file are its nanoseconds.
+            views: How pictures are kept.
+            calibration: Calibrated values by name, as JSON.
+            started_utc: Wall time of the start.
+
+        Raises:
+            RecordingError: The file cannot be written.
+        """
+        self._file = file
+        self._clock = clock
+        self._counts = file.message_counts
+        self._lock = threading.Lock()
+        self._buffer = bytearray()
+        self._step = 0
+        self._failure: RecordingError | None = None
+        self._is_closed = False
+        self._start_ns = self._end_ns = round(clock.now_s() * 1e9)
+        self._wire_channels: dict[str, int] = {}
+        self._subscription, self._unsubscribe = events.subscribe(_EVENT_CAPACITY)
+        self._views = ViewWriter(self._write_view, views)
+        self._write_start(start, views, calibration, started_utc)
+        self._received = file.add_channel(layout.RECEIVED, layout.LINE_SCHEMA)
+        self._replied = file.add_channel(layout.REPLIED, layout.REPLY_SCHEMA)
+        self._view_sent = file.add_channel(layout.VIEW_SENT, layout.VIEW_SENT_SCHEMA)
+        self._events = file.add_channel(layout.EVENTS, _EVENT_SCHEMA)
+        self._ended = file.add_channel(layout.ENDED, layout.ENDED_SCHEMA)
+        for line, reply in start.backlog:
+            self.received(line)
+            self.replied(reply)
+
+    @property
+    def path(self) -> Path:
+        """The recording's file."""
+        return self._file.path
+
+    @property
+    def failure(self) -> RecordingError | None:
+        """Why nothing more is written, or None."""
+        return self._failure
+
+    def received(self, line: bytes) -> None:
+        """Note a line of the client (without its LF); it begins a step."""
+        self._step += 1
+        self._note(self._received, line)
+
+    def replied(self, reply: Reply) -> None:
+        """Note the reply to the last line and write the whole step to the file."""
+        for event in self._subscription.take():
+            self._note(self._events, encode_event(event), round(event.time_s * 1e9))
+        flags = layout.REPLY_CLOSES if reply.closes else 0
+        view = reply.view
+        if view is not None and self._failure is None:
+            flags |= layout.REPLY_HAS_VIEW
+            frame = view.frame
+            number = self._views.take(frame, view.mime, reply.data, self._step)
+            height, width = frame.pixels.shape[:2]
+            sent = (
+                f'{{"view":{number},"camera":{json.dumps(frame.camera)},"frame":{frame.number},'
+                f'"mime":{json.dumps(view.mime)},"width":{width},"height":{height},'
+                f'"bytes":{len(reply.data)}}}'
+            )
+            self._note(self._view_sent, sent.encode("ascii"))
+        self._note(self._replied, layout.REPLY_HEAD.pack(flags, len(reply.data)) + reply.text)
+        self._flush()
+
+    def wire(self, link: str, direction: Direction, data: bytes) -> None:
+        """Note bytes on the wire of a device; after the end of the session they are not noted."""
+        if self._is_closed:
+            return
+        channel = self._wire_channels.get(link)
+        if channel is None:
+            channel = self._add_wire_channel(link)
+        mark = layout.TO_DEVICE if direction == "to_device" else layout.FROM_DEVICE
+        self._note(channel, mark + data)
+
+    def close(self, reason: str) -> None:
+        """Write what is left, the summary, and close the file; closing twice is harmless."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        for event in self._subscription.take():
+            self._note(self._events, encode_event(event), round(event.time_s * 1e9))
+        self._unsubscribe()
+        self._flush()
+        try:
+            self._views.close()
+        except RecordingError as error:
+            self._fail(error)
+        ended = {
+            "reason": reason,
+            "lines": self._step,
+            "views": self._views.count,
+            "events_lost": self._subscription.dropped,
+        }
+        self._note(self._ended, json.dumps(ended).encode("ascii"))
+        self._flush()
+        self._finish()
+
+    def _finish(self) -> None:
+        if self._failure is not None:
+            self._file.abandon()
+            return
+        try:
+            self._file.finish(self._start_ns, self._end_ns)
+        except RecordingError as error:
+            self._fail(error)
+
+    def _note(self, channel: int, data: bytes, time_ns: int | None = None) -> None:
+        if time_ns is None:
+            time_ns = round(self._clock.now_s() * 1e9)
+        with self._lock:
+            buffer = self._buffer
+            buffer += MESSAGE_HEAD.pack(
+                _OPCODE_MESSAGE,
+                MESSAGE_FIELDS_SIZE + len(data),
+                channel,
+                self._step & 0xFFFFFFFF,
+                time_ns,
+                time_ns,
+            )
+            buffer += data
+            self._counts[channel] += 1
+            if time_ns > self._end_ns:
+                self._end_ns = time_ns
+            is_large = len(buffer) >= _FLUSH_BYTES
+        if is_large:
+            self._flush()
+
+    def _flush(self) -> None:
+        with self._lock:
+            if self._failure is not None or not self._buffer:
+                self._buffer.clear()
+                return
+            try:
+                self._file.append(self._buffer)
+            except RecordingError as error:
+                self._fail(error)
+            self._buffer.clear()
+
+    def _fail(self, error: RecordingError) -> None:
+        if self._failure is None:
+            self._failure = error
+            _log.error("recording stopped: %s", error)
+
+    def _add_wire_channel(self, link: str) -> int:
+        try:
+            channel = self._file.add_channel(layout.WIRE_PREFIX + link, layout.WIRE_SCHEMA)
+        except RecordingError as error:
+            self._fail(error)
+            channel = self._received  # Nothing is written any more; the number is not used.
+        self._wire_channels[link] = channel
+        return channel
+
+    def _write_view(self, camera: str, step: int, message: bytes) -> None:
+        time_ns = round(self._clock.now_s() * 1e9)
+        channel = self._file.add_channel(layout.VIEWS_PREFIX + camera, layout.PICTURE_SCHEMA)
+        head = MESSAGE_HEAD.pack(
+            _OPCODE_MESSAGE, MESSAGE_FIELDS_SIZE + len(message), channel, step, time_ns, time_ns
+        )
+        self._file.append(head + message)
+        with self._lock:
+            self._counts[channel] += 1
+            self._end_ns = max(self._end_ns, time_ns)
+
+    def _write_start(
+        self,
+        start: SessionStart,
+        views: PictureStorage,
+        calibration: Mapping[str, str],
+        started_utc: datetime,
+    ) -> None:
+        file = self._file
+        file.add_attachment(
+            layout.SCRIPT_FILE, "text/plain", start.script_text.encode(), self._start_ns
+        )
+        file.add_attachment(
+            layout.PROFILE_FILE, "application/toml", start.profile_text.encode(), self._start_ns
+        )
+        file.add_attachment(
+            layout.WORLD_FILE, "application/json", start.world_json.encode(), self._start_ns
+        )
+        file.add_metadata(layout.VERSIONS_METADATA, start.versions)
+        file.add_metadata(layout.CALIBRATION_METADATA, calibration)
+        # Last, so that whoever finds it finds everything above, too.
+        file.add_metadata(
+            layout.SESSION_METADATA,
+            {
+                "format": str(layout.FORMAT_VERSION),
+                "session_id": start.session_id,
+                "started_utc": started_utc.astimezone(UTC).isoformat(),
+                "script_name": start.script_name,
+                "dialect": start.dialect,
+                "seed": str(start.seed),
+                "peer": start.peer,
+                "views": views,
+            },
+        )
