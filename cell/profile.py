@@ -61,6 +61,8 @@ class ArmProfile(_Table):
     linear_speed_mm_s: Positive
     max_linear_speed_mm_s: Positive
     joint_speed_percent: Annotated[float, Field(gt=0, le=100)]
+    posture: Annotated[int, Field(ge=0, le=7)] = 7
+    """The controller's flags FL1 used for every pose; 7 is right, above, non-flip."""
     rest_deg: tuple[float, float, float, float, float, float]
     """Joint angles where the arm stands aside, out of every camera's way."""
 

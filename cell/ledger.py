@@ -1,0 +1,149 @@
+"""The ledger: where every block is, on disk, so that a killed program can clean up.
+
+Each transfer is written before the fingers touch the block (`planned`), when
+they hold it (`gripped`), and when it lies at its new place (the transfer is
+closed and the place updated in one transaction). After a crash there is at most
+one open transfer; its phase and the gripper's opening tell where the block is.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from cell.errors import LedgerError
+from cell.store import TablePlace
+
+Phase = Literal["planned", "gripped"]
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS whereabouts (
+    slot INTEGER PRIMARY KEY, x_mm REAL NOT NULL, y_mm REAL NOT NULL, yaw_deg REAL NOT NULL
+);
+CREATE TABLE IF NOT EXISTS transfer (
+    only INTEGER PRIMARY KEY CHECK (only = 1),
+    slot INTEGER NOT NULL, phase TEXT NOT NULL,
+    from_x_mm REAL, from_y_mm REAL, from_yaw_deg REAL,
+    to_x_mm REAL, to_y_mm REAL, to_yaw_deg REAL
+);
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transfer:
+    """A transfer that was begun; `None` for a place means the block's own slot."""
+
+    slot: int
+    source: TablePlace | None
+    target: TablePlace | None
+    phase: Phase
+
+
+class Ledger:
+    """Knows which blocks are out of the store, and where."""
+
+    def __init__(self, path: Path | None) -> None:
+        """Open the ledger.
+
+        Args:
+            path: The SQLite file, made if missing; None keeps it in memory.
+
+        Raises:
+            LedgerError: The file cannot be opened or is no ledger.
+        """
+        self._name = "memory" if path is None else str(path)
+        try:
+            self._database = sqlite3.connect(
+                ":memory:" if path is None else path, isolation_level=None, check_same_thread=False
+            )
+            self._database.execute("PRAGMA journal_mode = WAL")
+            self._database.execute("PRAGMA synchronous = NORMAL")
+            self._database.executescript(_SCHEMA)
+        except sqlite3.Error as error:
+            raise LedgerError(
+                f"the ledger {self._name} cannot be opened ({error}); move the file away and put "
+                "leftover blocks back by hand"
+            ) from error
+
+    def close(self) -> None:
+        """Close the file."""
+        self._database.close()
+
+    def blocks_out(self) -> dict[int, TablePlace]:
+        """Return the blocks that lie outside their slots, by slot number."""
+        with self._errors():
+            rows = self._database.execute(
+                "SELECT slot, x_mm, y_mm, yaw_deg FROM whereabouts ORDER BY slot"
+            ).fetchall()
+        return {slot: TablePlace(x_mm=x, y_mm=y, yaw_deg=yaw) for slot, x, y, yaw in rows}
+
+    def open_transfer(self) -> Transfer | None:
+        """Return the transfer that was begun and not finished, if there is one."""
+        with self._errors():
+            row = self._database.execute(
+                "SELECT slot, phase, from_x_mm, from_y_mm, from_yaw_deg, "
+                "to_x_mm, to_y_mm, to_yaw_deg FROM transfer"
+            ).fetchone()
+        if row is None:
+            return None
+        slot, phase, *places = row
+        return Transfer(
+            slot=slot, phase=phase, source=_place(places[:3]), target=_place(places[3:])
+        )
+
+    def plan(self, slot: int, source: TablePlace | None, target: TablePlace | None) -> None:
+        """Note that a transfer begins; nothing was touched yet."""
+        with self._errors():
+            self._database.execute(
+                "INSERT OR REPLACE INTO transfer VALUES (1, ?, 'planned', ?, ?, ?, ?, ?, ?)",
+                (slot, *_columns(source), *_columns(target)),
+            )
+
+    def gripped(self) -> None:
+        """Note that the fingers hold the block of the open transfer."""
+        with self._errors():
+            self._database.execute("UPDATE transfer SET phase = 'gripped'")
+
+    def released(self, slot: int, place: TablePlace | None) -> None:
+        """Note that a block lies at a place (None: its slot); closes the transfer."""
+        with self._errors():
+            self._database.execute("BEGIN IMMEDIATE")
+            self._database.execute("DELETE FROM transfer")
+            self._database.execute("DELETE FROM whereabouts WHERE slot = ?", (slot,))
+            if place is not None:
+                self._database.execute(
+                    "INSERT INTO whereabouts VALUES (?, ?, ?, ?)", (slot, *_columns(place))
+                )
+            self._database.execute("COMMIT")
+
+    def abandon(self) -> None:
+        """Note that the open transfer never touched its block."""
+        with self._errors():
+            self._database.execute("DELETE FROM transfer")
+
+    @contextmanager
+    def _errors(self) -> Iterator[None]:
+        try:
+            yield
+        except sqlite3.Error as error:
+            if self._database.in_transaction:
+                self._database.execute("ROLLBACK")
+            raise LedgerError(
+                f"the ledger {self._name} cannot be used ({error}); is the disk full, or the "
+                "file damaged?"
+            ) from error
+
+
+def _columns(place: TablePlace | None) -> tuple[float | None, float | None, float | None]:
+    return (None, None, None) if place is None else (place.x_mm, place.y_mm, place.yaw_deg)
+
+
+def _place(columns: list[float | None]) -> TablePlace | None:
+    x_mm, y_mm, yaw_deg = columns
+    if x_mm is None or y_mm is None or yaw_deg is None:
+        return None
+    return TablePlace(x_mm=x_mm, y_mm=y_mm, yaw_deg=yaw_deg)

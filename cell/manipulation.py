@@ -1,0 +1,220 @@
+"""Moving blocks: grip, release, lay out, clean up, each noted in the ledger.
+
+A block is gripped from above: over it at the service height, straight down to
+the laying height, close, straight up. Putting down is the same backwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from cell.devices.gripper import Gripper
+from cell.errors import GripFailed
+from cell.events import BlockGripped, BlockReleased, EventBus
+from cell.geometry import Pose
+from cell.ledger import Ledger, Transfer
+from cell.motion.guarded import GuardedArm
+from cell.profile import Profile
+from cell.store import StorePlan, StoreSlot, TablePlace, place_of_slot
+
+WIDTH_TOLERANCE_MM = 2.5
+"""How far a gripped width may differ from the block's (fingers and faces give a little)."""
+
+Progress = Callable[[str, int, int], None]
+"""Told what is done now, how many of it are done, and how many there are."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Deployment:
+    """One block of the store, and where it shall lie in the robot frame."""
+
+    slot: int
+    x_mm: float
+    y_mm: float
+    yaw_deg: float = 0.0
+
+    @property
+    def place(self) -> TablePlace:
+        """The place alone."""
+        return TablePlace(x_mm=self.x_mm, y_mm=self.y_mm, yaw_deg=self.yaw_deg)
+
+
+def no_progress(what: str, done: int, total: int) -> None:
+    """Tell nobody."""
+
+
+class Manipulator:
+    """Brings blocks from place to place and keeps the ledger true."""
+
+    def __init__(
+        self,
+        arm: GuardedArm,
+        gripper: Gripper,
+        ledger: Ledger,
+        plan: StorePlan,
+        profile: Profile,
+        events: EventBus,
+    ) -> None:
+        self._arm = arm
+        self._gripper = gripper
+        self._ledger = ledger
+        self._plan = plan
+        self._profile = profile
+        self._events = events
+
+    def slot_place(self, number: int) -> TablePlace:
+        """Return where a slot lies in the robot frame.
+
+        Raises:
+            StoreError: There is no such slot.
+        """
+        return place_of_slot(self._plan.slot(number), self._profile.store)
+
+    def grip_at(self, place: TablePlace, kind: str, name: str) -> None:
+        """Grip the block that lies at a place and lift it to the service height.
+
+        Raises:
+            GripFailed: The fingers closed on nothing, or on something of another width.
+        """
+        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._approach(place, holds_block=False)
+        result = self._gripper.grip(self._profile.gripper.grip_current_a)
+        width_mm = self._profile.blocks[kind].width_mm
+        if not result.is_holding or abs(result.width_mm - width_mm) > WIDTH_TOLERANCE_MM:
+            self._gripper.move_to(self._profile.gripper.open_mm)
+            self._lift(place, holds_block=False)
+            found = (
+                f"something {result.width_mm:.1f} mm wide" if result.is_holding else "nothing"
+            )
+            raise GripFailed(
+                f"{name}: expected a {kind} ({width_mm:.0f} mm) at "
+                f"({place.x_mm:.1f}, {place.y_mm:.1f}) mm, the fingers found {found}; "
+                "put the block into its slot by hand"
+            )
+        self._ledger.gripped()
+        self._events.emit(BlockGripped(name, result.width_mm))
+        self._lift(place, holds_block=True)
+
+    def release_at(self, place: TablePlace, name: str) -> None:
+        """Put the held block down at a place and lift the empty fingers."""
+        self._approach(place, holds_block=True)
+        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._events.emit(BlockReleased(name, place.x_mm, place.y_mm, place.yaw_deg))
+
+    def transfer(self, slot: int, source: TablePlace | None, target: TablePlace | None) -> None:
+        """Bring a block from a place to a place; None stands for its own slot.
+
+        Raises:
+            GripFailed: It was not where it should be; the table is as before.
+        """
+        entry = self._plan.slot(slot)
+        self._ledger.plan(slot, source, target)
+        try:
+            self.grip_at(source or self.slot_place(slot), entry.kind, entry.block)
+        except GripFailed:
+            self._ledger.abandon()
+            raise
+        self._put_down(entry, target)
+
+    def lay_out(
+        self, deployments: Sequence[Deployment], progress: Progress = no_progress
+    ) -> None:
+        """Bring each block from its slot to its place."""
+        for done, deployment in enumerate(deployments):
+            progress("laying out", done, len(deployments))
+            self.transfer(deployment.slot, None, deployment.place)
+        progress("laying out", len(deployments), len(deployments))
+
+    def clean(
+        self, slots: Sequence[int] | None = None, progress: Progress = no_progress
+    ) -> list[int]:
+        """Bring blocks that are out back to their slots, also after a crash.
+
+        Args:
+            slots: Only these; all that are out unless given.
+            progress: Told before each block.
+
+        Returns:
+            The slot numbers of the blocks brought home.
+
+        Raises:
+            GripFailed: One or more were not where the ledger has them; all others
+                are home.
+        """
+        home = self._recover()
+        out = {n: p for n, p in self._ledger.blocks_out().items() if slots is None or n in slots}
+        missing: list[str] = []
+        for done, (slot, place) in enumerate(out.items()):
+            progress("putting back", done, len(out))
+            try:
+                self.transfer(slot, place, None)
+                home.append(slot)
+            except GripFailed as failure:
+                missing.append(str(failure))
+        progress("putting back", len(out), len(out))
+        if missing:
+            raise GripFailed("; ".join(missing))
+        return home
+
+    def is_table_clean(self) -> bool:
+        """Return whether the ledger has every block in its slot and none in the fingers."""
+        return not self._ledger.blocks_out() and self._ledger.open_transfer() is None
+
+    def _recover(self) -> list[int]:
+        """Close a transfer that a crash left open; return the slots whose blocks went home.
+
+        Fingers that stand open hold nothing. Otherwise they are closed where they
+        are: they hold the block exactly when they meet something of its width.
+        """
+        transfer = self._ledger.open_transfer()
+        if transfer is None:
+            return []
+        entry = self._plan.slot(transfer.slot)
+        if self._holds(entry):
+            self._ledger.gripped()
+            self._put_down(entry, None)
+            return [entry.number]
+        self._settle(transfer)
+        return []
+
+    def _holds(self, entry: StoreSlot) -> bool:
+        gripper = self._profile.gripper
+        if self._gripper.read_state().position_mm > gripper.open_mm - WIDTH_TOLERANCE_MM:
+            return False
+        result = self._gripper.grip(gripper.grip_current_a)
+        width_mm = self._profile.blocks[entry.kind].width_mm
+        if result.is_holding and abs(result.width_mm - width_mm) <= WIDTH_TOLERANCE_MM:
+            return True
+        self._gripper.move_to(gripper.open_mm)
+        return False
+
+    def _settle(self, transfer: Transfer) -> None:
+        """Write where the block of an open transfer lies, now that no finger holds it."""
+        if transfer.phase == "planned":
+            self._ledger.abandon()
+        else:
+            self._ledger.released(transfer.slot, transfer.target)
+
+    def _put_down(self, entry: StoreSlot, target: TablePlace | None) -> None:
+        place = target or self.slot_place(entry.number)
+        self.release_at(place, entry.block)
+        self._ledger.released(entry.number, target)
+        self._lift(place, holds_block=False)
+
+    def _approach(self, place: TablePlace, *, holds_block: bool) -> None:
+        heights = self._profile.heights
+        self._arm.raise_to(heights.service_mm, holds_block=holds_block)
+        self._arm.move_joint(self._over(place, heights.service_mm), holds_block=holds_block)
+        self._arm.move_linear(self._over(place, heights.laying_mm), holds_block=holds_block)
+
+    def _lift(self, place: TablePlace, *, holds_block: bool) -> None:
+        over = self._over(place, self._profile.heights.service_mm)
+        self._arm.move_linear(over, holds_block=holds_block)
+
+    @staticmethod
+    def _over(place: TablePlace, z_mm: float) -> Pose:
+        """Return the pose that grips a block at a place: fingers across its width."""
+        turn = (place.yaw_deg + 90.0) % 180.0 - 90.0
+        c_deg = 180.0 + turn if turn <= 0 else turn - 180.0
+        return Pose(place.x_mm, place.y_mm, z_mm, 180.0, 0.0, c_deg)

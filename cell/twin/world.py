@@ -1,0 +1,468 @@
+"""The twin's world: blocks, arm, fingers, screen and lights, and the truth about them.
+
+The emulators act on it through the bodies of `cell.twin.bodies`; cameras look at
+it through `scene`. Time is told by the clock; what moves is settled whenever
+somebody looks or acts, never by a thread of its own.
+
+A block that the fingers hold is carried with the tool. A low finger, or a low
+block in the fingers, pushes what it runs into. A released block falls and lies
+where it fell, scattered as the profile says.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from cell.clock import Clock
+from cell.geometry import JointAngles, Pose, Transform
+from cell.profile import Profile
+from cell.twin.blocks import BlockField, TwinBlock
+from cell.twin.bodies import FingerMotion, JointPath, JointTuple
+from cell.twin.contact import Footprint, Jaw, aligned_yaw_deg
+from cell.twin.scene import Scene, SceneBlock
+
+_SWEEP_STEP_S = 0.02
+_FINGER_LENGTH_MM = 50.0
+_LEAST_CONTACT_MM = 3.0
+
+
+class ToolKinematics(Protocol):
+    """What the world needs to know of the arm."""
+
+    def forward(self, joints: JointAngles) -> Pose:
+        """Return the pose of the tool point."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Held:
+    """A block between the fingers, relative to the tool point."""
+
+    block: str
+    along_mm: float
+    across_mm: float
+    below_mm: float
+    turn_deg: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Closing:
+    """A finger motion under way, with what it will do at its end."""
+
+    start_s: float
+    start_mm: float
+    motion: FingerMotion
+    takes: TwinBlock | None
+
+
+class World:
+    """Everything physical in the twin; implements the arm, finger and display bodies."""
+
+    def __init__(
+        self,
+        profile: Profile,
+        kinematics: ToolKinematics,
+        clock: Clock,
+        blocks: Iterable[TwinBlock],
+        *,
+        seed: int = 0,
+    ) -> None:
+        self._profile = profile
+        self._kinematics = kinematics
+        self._clock = clock
+        self.blocks = BlockField(blocks, profile.blocks, profile.heights.surface_mm)
+        self._generator = random.Random(seed)
+        self._joints: JointTuple = profile.arm.rest_deg
+        self._path: JointPath | None = None
+        self._swept_s = 0.0
+        self._opening_mm = profile.gripper.open_mm
+        self._closing: _Closing | None = None
+        self.held: Held | None = None
+        self.outputs: dict[int, bool] = {}
+        self.is_gripper_referenced = False
+        self._is_lit = False
+        self._input = 0
+        self._picture = "black"
+        self._scene: Scene | None = None
+        self._on_change: Callable[[], None] | None = None
+
+    def reseed(self, seed: int) -> None:
+        """Start the sequence of scatter anew, so that a session can be repeated."""
+        self._generator = random.Random(seed)
+
+    def on_change(self, callback: Callable[[], None]) -> None:
+        """Call back whenever a block was moved or taken, so that it can be kept."""
+        self._on_change = callback
+
+    # What cameras see
+
+    def scene(self) -> Scene:
+        """Return what there is to see now; the same object while nothing changes."""
+        now_s = self._clock.now_s()
+        self._settle(now_s)
+        joints = self.joints_deg(now_s)
+        opening_mm = self.opening_mm(now_s)
+        picture = self.picture
+        is_lit = self.outputs.get(self._profile.outputs.lights, False)
+        last = self._scene
+        blocks = self._scene_blocks(now_s)
+        if (
+            last is not None
+            and last.joints_deg == joints
+            and last.opening_mm == opening_mm
+            and last.picture == picture
+            and last.are_lights_on == is_lit
+            and last.blocks == blocks
+        ):
+            return last
+        self._scene = Scene(
+            revision=0 if last is None else last.revision + 1,
+            blocks=blocks,
+            joints_deg=joints,
+            opening_mm=opening_mm,
+            picture=picture,
+            are_lights_on=is_lit,
+        )
+        return self._scene
+
+    @property
+    def picture(self) -> str | None:
+        """The picture on the panel, None while it is dark or shows another input."""
+        is_shown = self._is_lit and self._input == self._profile.display.input
+        return self._picture if is_shown else None
+
+    def set_picture(self, name: str) -> None:
+        """Set the picture that the computer sends to the television."""
+        self._picture = name
+
+    @property
+    def sent_picture(self) -> str:
+        """The picture that the computer sends, seen or not."""
+        return self._picture
+
+    def _scene_blocks(self, now_s: float) -> tuple[SceneBlock, ...]:
+        held = self.held
+        return tuple(
+            SceneBlock(
+                block=b.block, kind=b.kind, colour=b.colour,
+                x_mm=b.x_mm, y_mm=b.y_mm, z_mm=b.z_mm, yaw_deg=b.yaw_deg,
+            )
+            if held is None or held.block != b.block
+            else self._carried(b, held, self._tool(self.joints_deg(now_s)))
+            for b in self.blocks.all()
+        )  # fmt: skip
+
+    # The arm's mechanics
+
+    def joints_deg(self, now_s: float) -> JointTuple:
+        """Return where the joints are."""
+        if self._path is not None:
+            return self._path.at(now_s)
+        return self._joints
+
+    def follow(self, path: JointPath) -> None:
+        """Start a motion now; it replaces one under way."""
+        self._settle(path.start_s)
+        self._joints = self.joints_deg(path.start_s)
+        self._path = path
+        self._swept_s = path.start_s
+
+    def halt(self, now_s: float) -> None:
+        """Stand still: the arm where its joints are, the motion forgotten."""
+        self._settle(now_s)
+        self._joints = self.joints_deg(now_s)
+        self._path = None
+
+    def is_moving(self, now_s: float) -> bool:
+        """Return whether an arm motion is under way."""
+        return self._path is not None and now_s < self._path.end_s
+
+    def set_output(self, bit: int, *, is_on: bool, now_s: float) -> None:
+        """Switch whatever hangs on an output of the arm controller."""
+        self._settle(now_s)
+        if self.outputs.get(bit, False) != is_on:
+            self.outputs[bit] = is_on
+            self._changed()
+
+    # The gripper's mechanics
+
+    def is_powered(self) -> bool:
+        """Return whether the gripper has power."""
+        return self.outputs.get(self._profile.outputs.gripper_power, False)
+
+    def set_referenced(self, *, is_referenced: bool) -> None:
+        """Keep whether the gripper knows its zero; it forgets it only without power."""
+        if self.is_gripper_referenced != is_referenced:
+            self.is_gripper_referenced = is_referenced
+            self._changed()
+
+    def opening_mm(self, now_s: float) -> float:
+        """Return the opening between the fingers."""
+        closing = self._closing
+        if closing is None:
+            return self._opening_mm
+        if now_s >= closing.motion.end_s:
+            return closing.motion.end_mm
+        whole_s = closing.motion.end_s - closing.start_s
+        share = (now_s - closing.start_s) / whole_s if whole_s > 0 else 1.0
+        return closing.start_mm + share * (closing.motion.end_mm - closing.start_mm)
+
+    def begin(
+        self, target_mm: float, speed_mm_s: float, acceleration_mm_s2: float, now_s: float
+    ) -> FingerMotion:
+        """Start the fingers towards an opening; a block between them stops them."""
+        self._settle(now_s)
+        start_mm = self.opening_mm(now_s)
+        target_mm = min(max(target_mm, 0.0), self._profile.gripper.stroke_mm)
+        end_mm, takes, is_blocked = target_mm, None, False
+        if target_mm > start_mm:
+            self._let_go()
+        elif self.held is not None:
+            end_mm, is_blocked = start_mm, target_mm < start_mm
+        else:
+            end_mm, takes, is_blocked = self._meet(start_mm, target_mm, now_s)
+        duration_s = _travel_s(abs(end_mm - start_mm), speed_mm_s, acceleration_mm_s2)
+        motion = FingerMotion(end_s=now_s + duration_s, end_mm=end_mm, is_blocked=is_blocked)
+        self._closing = _Closing(start_s=now_s, start_mm=start_mm, motion=motion, takes=takes)
+        return motion
+
+    def halt_fingers(self, now_s: float) -> None:
+        """Stop the fingers at their present opening."""
+        self._settle(now_s)
+        self._opening_mm = self.opening_mm(now_s)
+        self._closing = None
+
+    # The television's panel
+
+    def set_lit(self, *, is_lit: bool, input_number: int, now_s: float) -> None:
+        """Say whether the panel is lit and which input it shows."""
+        self._is_lit = is_lit
+        self._input = input_number
+
+    # Truth, for keeping and for tests
+
+    def whereabouts(self) -> tuple[TwinBlock, ...]:
+        """Return the truth about every block now; a held one where it hangs."""
+        now_s = self._clock.now_s()
+        self._settle(now_s)
+        held = self.held
+        if held is None:
+            return self.blocks.all()
+        seen = {b.block: b for b in self._scene_blocks(now_s)}
+        return tuple(
+            replace(b, x_mm=s.x_mm, y_mm=s.y_mm, z_mm=s.z_mm, yaw_deg=s.yaw_deg)
+            for b in self.blocks.all()
+            for s in (seen[b.block],)
+        )
+
+    def restore(
+        self,
+        *,
+        blocks: Iterable[TwinBlock],
+        joints_deg: JointTuple,
+        opening_mm: float,
+        held: Held | None,
+        outputs: dict[int, bool],
+        is_gripper_referenced: bool,
+    ) -> None:
+        """Put the world into a state that was kept."""
+        surface_mm = self._profile.heights.surface_mm
+        revision = self.blocks.revision + 1
+        self.blocks = BlockField(blocks, self._profile.blocks, surface_mm)
+        self.blocks.revision = revision
+        self._joints, self._path = joints_deg, None
+        self._opening_mm, self._closing = opening_mm, None
+        self.held = held
+        self.outputs = dict(outputs)
+        self.is_gripper_referenced = is_gripper_referenced
+
+    # Physics
+
+    def _changed(self) -> None:
+        if self._on_change is not None:
+            self._on_change()
+
+    def _tool(self, joints: JointTuple) -> Pose:
+        return self._kinematics.forward(JointAngles(joints))
+
+    def _jaw(self, tool: Pose) -> Jaw:
+        """Return the fingers seen from above for a tool that points down."""
+        rotation = Transform.from_pose(tool).rotation
+        ax, ay = float(rotation[0, 1]), float(rotation[1, 1])
+        length = math.hypot(ax, ay) or 1.0
+        return Jaw(
+            x_mm=tool.x_mm,
+            y_mm=tool.y_mm,
+            axis=(ax / length, ay / length),
+            finger_width_mm=self._profile.gripper.finger_width_mm,
+            finger_thickness_mm=self._profile.gripper.finger_thickness_mm,
+        )
+
+    def _settle(self, now_s: float) -> None:
+        """Bring fingers and arm up to `now_s`."""
+        closing = self._closing
+        if closing is not None and now_s >= closing.motion.end_s:
+            self._closing = None
+            self._opening_mm = closing.motion.end_mm
+            self._finish_closing(closing, now_s)
+        path = self._path
+        if path is not None:
+            self._sweep(path, min(now_s, path.end_s))
+            if now_s >= path.end_s:
+                self._joints, self._path = path.at(path.end_s), None
+                if self.held is not None:
+                    self._changed()
+
+    def _finish_closing(self, closing: _Closing, now_s: float) -> None:
+        if closing.takes is not None:
+            self._take(closing.takes, self._tool(self.joints_deg(now_s)))
+        elif closing.motion.end_mm > closing.start_mm:
+            tool = self._tool(self.joints_deg(now_s))
+            low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
+            if low_mm < self.blocks.highest_mm():
+                self._push_aside(tool, closing.motion.end_mm)
+        self._changed()
+
+    def _meet(
+        self, start_mm: float, target_mm: float, now_s: float
+    ) -> tuple[float, TwinBlock | None, bool]:
+        """Find what closing fingers meet: end opening, the block taken, whether stopped."""
+        tool = self._tool(self.joints_deg(now_s))
+        jaw = self._jaw(tool)
+        low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
+        met: list[tuple[float, TwinBlock]] = []
+        for block in self.blocks.all():
+            top_mm = self.blocks.top_mm(block)
+            if (
+                min(top_mm, low_mm + _FINGER_LENGTH_MM) - max(block.z_mm, low_mm)
+                < _LEAST_CONTACT_MM
+            ):
+                continue
+            aligned = self._aligned(block, jaw)
+            span = jaw.span(self.blocks.footprint(aligned))
+            if span is None or max(-span[0], span[1]) > 0.5 * start_mm + 1.0:
+                continue
+            met.append((span[1] - span[0], aligned))
+        width_mm = sum(width for width, _ in met)
+        if width_mm <= target_mm:
+            return target_mm, None, False
+        taken = met[0][1] if len(met) == 1 and met[0][0] > _LEAST_CONTACT_MM else None
+        return width_mm, taken, True
+
+    def _aligned(self, block: TwinBlock, jaw: Jaw) -> TwinBlock:
+        if self.blocks.kind(block).shape == "cylinder":
+            return block
+        return replace(block, yaw_deg=aligned_yaw_deg(block.yaw_deg, jaw.axis_deg))
+
+    def _take(self, block: TwinBlock, tool: Pose) -> None:
+        """Fix a block to the tool: both fingers push it to their middle."""
+        jaw = self._jaw(tool)
+        span = jaw.span(self.blocks.footprint(block))
+        if span is None:
+            return
+        shift = 0.5 * (span[0] + span[1])
+        block = replace(
+            block, x_mm=block.x_mm - shift * jaw.axis[0], y_mm=block.y_mm - shift * jaw.axis[1]
+        )
+        self.blocks.put(block)
+        dx, dy = block.x_mm - jaw.x_mm, block.y_mm - jaw.y_mm
+        self.held = Held(
+            block=block.block,
+            along_mm=jaw.axis[0] * dx + jaw.axis[1] * dy,
+            across_mm=-jaw.axis[1] * dx + jaw.axis[0] * dy,
+            below_mm=tool.z_mm - block.z_mm,
+            turn_deg=block.yaw_deg - jaw.axis_deg,
+        )
+
+    def _carried(self, block: TwinBlock, held: Held, tool: Pose) -> SceneBlock:
+        jaw = self._jaw(tool)
+        ax, ay = jaw.axis
+        return SceneBlock(
+            block=block.block,
+            kind=block.kind,
+            colour=block.colour,
+            x_mm=tool.x_mm + ax * held.along_mm - ay * held.across_mm,
+            y_mm=tool.y_mm + ay * held.along_mm + ax * held.across_mm,
+            z_mm=max(tool.z_mm - held.below_mm, self._profile.heights.surface_mm),
+            yaw_deg=jaw.axis_deg + held.turn_deg,
+        )
+
+    def _let_go(self) -> None:
+        """Drop what the fingers hold: it falls and lies where it fell."""
+        held = self.held
+        if held is None:
+            return
+        now_s = self._clock.now_s()
+        block = self.blocks.get(held.block)
+        seen = self._carried(block, held, self._tool(self.joints_deg(now_s)))
+        self.held = None
+        self.blocks.put(
+            replace(block, x_mm=seen.x_mm, y_mm=seen.y_mm, z_mm=seen.z_mm, yaw_deg=seen.yaw_deg)
+        )
+        twin = self._profile.twin
+        self.blocks.drop(
+            held.block, self._generator, twin.placement_scatter_mm, twin.placement_scatter_deg
+        )
+        self._changed()
+
+    def _sweep(self, path: JointPath, until_s: float) -> None:
+        """Push aside what the fingers, or a block in them, ran into since last time."""
+        since_s, self._swept_s = self._swept_s, until_s
+        if until_s <= since_s:
+            return
+        below_mm = self._profile.gripper.tip_below_tool_mm
+        held = self.held
+        if held is not None:
+            below_mm = max(below_mm, held.below_mm)
+        clear_mm = self.blocks.highest_mm() + below_mm
+        if self._stays_above(path, since_s, until_s, clear_mm):
+            return
+        before = self.blocks.revision
+        steps = max(1, math.ceil((until_s - since_s) / _SWEEP_STEP_S))
+        for step in range(1, steps + 1):
+            tool = self._tool(path.at(since_s + (until_s - since_s) * step / steps))
+            if tool.z_mm < clear_mm:
+                self._push_aside(tool, self._opening_mm)
+        if self.blocks.revision != before:
+            self._changed()
+
+    def _stays_above(
+        self, path: JointPath, since_s: float, until_s: float, clear_mm: float
+    ) -> bool:
+        """Return whether a path surely stays above a height: ends and middle, with room."""
+        return all(
+            self._tool(path.at(time_s)).z_mm >= clear_mm + room_mm
+            for time_s, room_mm in ((until_s, 0.0), (0.5 * (since_s + until_s), 5.0))
+        )
+
+    def _push_aside(self, tool: Pose, opening_mm: float) -> None:
+        low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
+        held = self.held
+        spare = held.block if held is not None else None
+        for finger in self._jaw(tool).fingers(opening_mm):
+            self.blocks.push(finger.polygon(), low_mm, spare=spare)
+        if held is not None:
+            carried = self._carried(self.blocks.get(held.block), held, tool)
+            kind = self._profile.blocks[carried.kind]
+            outline = Footprint(
+                x_mm=carried.x_mm,
+                y_mm=carried.y_mm,
+                yaw_deg=carried.yaw_deg,
+                length_mm=kind.length_mm,
+                width_mm=kind.width_mm,
+                is_round=kind.shape == "cylinder",
+            )
+            self.blocks.push(outline.polygon(), carried.z_mm, spare=spare)
+
+
+def _travel_s(distance_mm: float, speed_mm_s: float, acceleration_mm_s2: float) -> float:
+    """Return how long a trapezoidal motion from rest to rest takes."""
+    if distance_mm <= 0:
+        return 0.0
+    ramp_mm = speed_mm_s**2 / acceleration_mm_s2
+    if distance_mm < ramp_mm:
+        return 2.0 * math.sqrt(distance_mm / acceleration_mm_s2)
+    return distance_mm / speed_mm_s + speed_mm_s / acceleration_mm_s2

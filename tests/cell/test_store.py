@@ -1,0 +1,36 @@
+import pytest
+
+from cell.errors import StoreError
+from cell.profile import StoreProfile
+from cell.store import StorePlan, StoreSlot, free_slot, place_of_slot
+
+PLAN = StorePlan(
+    (
+        StoreSlot(number=8, kind="cube", colour="red", x_mm=275, y_mm=150),
+        StoreSlot(number=7, kind="cube", colour="red", x_mm=165, y_mm=150),
+        StoreSlot(number=13, kind="bridge", colour="red", x_mm=275, y_mm=250),
+    )
+)
+
+
+def test_plan_x_runs_along_robot_x_and_plan_y_against_robot_y() -> None:
+    place = place_of_slot(PLAN.slot(7), StoreProfile(corner_mm=(-250, 700)))
+    assert (place.x_mm, place.y_mm, place.yaw_deg) == (-85, 550, 0)
+
+
+def test_a_turned_plan_turns_its_slots_and_their_blocks() -> None:
+    place = place_of_slot(PLAN.slot(7), StoreProfile(corner_mm=(0, 0), angle_deg=90))
+    assert (place.x_mm, place.y_mm) == pytest.approx((150, 165))
+    assert place.yaw_deg == 90
+
+
+def test_the_lowest_free_slot_is_taken() -> None:
+    assert free_slot(PLAN, "cube", "red", []).number == 7
+    assert free_slot(PLAN, "cube", "red", [7]).number == 8
+
+
+def test_a_full_store_and_an_unknown_slot_are_refused_by_name() -> None:
+    with pytest.raises(StoreError, match="no free slot for a red cube"):
+        free_slot(PLAN, "cube", "red", [7, 8])
+    with pytest.raises(StoreError, match=r"no slot 99; it has 8, 7, 13"):
+        PLAN.slot(99)
