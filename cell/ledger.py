@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -130,12 +130,16 @@ class Ledger:
         try:
             yield
         except sqlite3.Error as error:
-            if self._database.in_transaction:
-                self._database.execute("ROLLBACK")
+            self._roll_back()
             raise LedgerError(
                 f"the ledger {self._name} cannot be used ({error}); is the disk full, or the "
                 "file damaged?"
             ) from error
+
+    def _roll_back(self) -> None:
+        """Leave no transaction half open, where there still is a database."""
+        with suppress(sqlite3.Error):
+            self._database.execute("ROLLBACK")
 
 
 def _columns(place: TablePlace | None) -> tuple[float | None, float | None, float | None]:
