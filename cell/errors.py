@@ -57,7 +57,29 @@ class DeviceTimeout(DeviceError):
 
 
 class UnreachablePose(CellError):
-    """No joint angles within the limits bring the arm to the pose."""
+    """No joint angles within the limits bring the arm to the pose.
+
+    Attributes:
+        what: The joint that is in the way, such as `J5`, or `reach` or `height`.
+        value: The value the pose asks for.
+        limit: The limit it violates.
+        unit: Unit of the two figures, `deg` or `mm`.
+    """
+
+    def __init__(
+        self,
+        problem: str,
+        *,
+        what: str = "",
+        value: float = 0.0,
+        limit: float = 0.0,
+        unit: str = "",
+    ) -> None:
+        self.what = what
+        self.value = value
+        self.limit = limit
+        self.unit = unit
+        super().__init__(problem)
 
 
 class MotionRefused(CellError):
@@ -69,19 +91,35 @@ class MotionRefused(CellError):
         limit: The limit it violates.
         nearest: The nearest allowed value.
         unit: Unit of the three figures, such as `deg` or `mm`.
+        nearest_point_mm: Where the tool point may still go on its way to the target,
+            None where the path does not matter (a speed).
     """
 
     def __init__(
-        self, what: str, *, value: float, limit: float, nearest: float, unit: str, why: str
+        self,
+        what: str,
+        *,
+        value: float,
+        limit: float,
+        nearest: float,
+        unit: str,
+        why: str,
+        nearest_point_mm: tuple[float, float, float] | None = None,
     ) -> None:
         self.what = what
         self.value = value
         self.limit = limit
         self.nearest = nearest
         self.unit = unit
+        self.nearest_point_mm = nearest_point_mm
+        way = (
+            ""
+            if nearest_point_mm is None
+            else "; the way is free up to ({:.1f}, {:.1f}, {:.1f}) mm".format(*nearest_point_mm)
+        )
         super().__init__(
             f"{what} {why}: {value:.1f} {unit} asked, limit {limit:.1f} {unit}, "
-            f"nearest allowed {nearest:.1f} {unit}"
+            f"nearest allowed {nearest:.1f} {unit}{way}"
         )
 
 
