@@ -66,7 +66,7 @@ def test_every_own_error_stands_in_its_package_tree() -> None:
     for package, base in (
         ("cell", "CellError"),
         ("dsl", "DslError"),
-        ("sessions", "SessionError"),
+        ("sessions", "SessionsError"),
     ):
         names = {base}
         for path in sorted((ROOT / package).rglob("*.py")):
