@@ -1,0 +1,439 @@
+"""The PG-70 gripper behind the SCHUNK Motion Protocol.
+
+A motion is accepted at once and ends with an impulse: "position reached" or
+"move blocked". Impulses may get lost or may come late from an earlier motion,
+so each one is held against the module's state, and when none comes the state is
+asked for.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import TypeVar
+
+from cell.clock import Clock
+from cell.devices.gripper import GripperState, GripResult
+from cell.drivers.schunk_smp.commands import (
+    Acknowledge,
+    CommandRecord,
+    EmergencyStop,
+    GetConfig,
+    GetState,
+    MoveGrip,
+    MovePosition,
+    Reference,
+    SetTarget,
+    Stop,
+    ToggleImpulses,
+)
+from cell.drivers.schunk_smp.conversation import Conversation
+from cell.drivers.schunk_smp.replies import (
+    Answer,
+    ErrorReport,
+    Identity,
+    ImpulsesSwitched,
+    MoveAccepted,
+    MoveBlocked,
+    PositionReached,
+    RegisterValue,
+    StateReply,
+)
+from cell.drivers.schunk_smp.settings import SchunkSettings
+from cell.drivers.schunk_smp.tables import (
+    UNIT_MILLIMETRE,
+    UNIT_SYSTEMS,
+    Code,
+    Command,
+    Register,
+    StateMode,
+    Status,
+    problem_of,
+)
+from cell.errors import DeviceError, DeviceTimeout, Stopped
+from cell.links.base import Link
+from cell.stop import StopToken
+
+_LOGGER = logging.getLogger(__name__)
+_ASK_STATE = GetState(0.0, StateMode.ALL)
+_AnswerT = TypeVar("_AnswerT", bound=Answer)
+
+
+class SchunkGripper:
+    """A `Gripper` that speaks the SCHUNK Motion Protocol; never tried on hardware.
+
+    Args:
+        link: The line to the module.
+        clock: What deadlines are measured with.
+        settings: Figures of the cell and patience.
+        token: Asked, if given, during every motion; a stop ends it.
+    """
+
+    def __init__(
+        self, link: Link, clock: Clock, settings: SchunkSettings, token: StopToken | None = None
+    ) -> None:
+        self._link = link
+        self._clock = clock
+        self._settings = settings
+        self._conversation = Conversation(
+            link,
+            clock,
+            device=settings.device,
+            module=settings.module_id,
+            attempts=settings.attempts,
+            token=token,
+        )
+        self._identity = ""
+        self._is_closed = False
+        self._lowest_mm = 0.0
+        self._highest_mm = settings.stroke_mm
+        self._max_current_a = 0.0
+
+    def open(self) -> str:
+        """Make the module ready to move: errors cleared, impulses on, referenced.
+
+        Opening again is harmless. Referencing moves the fingers over their whole
+        stroke.
+
+        Returns:
+            The module's identity.
+
+        Raises:
+            DeviceError: An error does not go away, or the unit system is not millimetres.
+            DeviceTimeout: The module is silent, or referencing does not end.
+        """
+        if self._identity:
+            return self._identity
+        state = self._await_boot()
+        if state.error or state.status & Status.ERROR:
+            self.acknowledge()
+        identity = self._read_identity()
+        self._require_millimetres()
+        self._read_limits()
+        self._switch_impulses_on()
+        settings = self._settings
+        self._ask(SetTarget(Command.SET_TARGET_VELOCITY, settings.speed_mm_s))
+        self._ask(SetTarget(Command.SET_TARGET_ACCELERATION, settings.acceleration_mm_s2))
+        if not self._read().status & Status.REFERENCED:
+            self.reference()
+        self._identity = identity
+        return identity
+
+    def close(self) -> None:
+        """Stop the fingers and let the link go; closing twice is harmless.
+
+        A module that does not answer any more (its power may be off already) is
+        left alone.
+        """
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self._identity = ""
+        try:
+            self.stop()
+        except DeviceTimeout as error:
+            _LOGGER.warning("%s; closed all the same", error)
+        finally:
+            self._link.close()
+
+    def reference(self) -> None:
+        """Let the module find its zero position; the fingers move.
+
+        Raises:
+            DeviceError: The module refuses or fails.
+            DeviceTimeout: It takes longer than the settings allow.
+        """
+        self._start(Reference())
+        state = self._await_end("referencing", self._settings.reference_timeout_s)
+        if not state.status & Status.REFERENCED:
+            raise self._error("referencing ended without a zero position", Code.NOT_REFERENCED)
+
+    def move_to(self, opening_mm: float) -> None:
+        """Move the fingers to an opening and return when they stand there.
+
+        Raises:
+            DeviceError: The opening is out of reach, something blocks the fingers, or
+                the module refuses or fails.
+            DeviceTimeout: The module does not answer or does not finish.
+        """
+        self._require_reachable(opening_mm)
+        settings = self._settings
+        answer = self._start(
+            MovePosition(opening_mm, settings.speed_mm_s, settings.acceleration_mm_s2)
+        )
+        expected_s = answer.duration_s if isinstance(answer, MoveAccepted) else self._longest_s()
+        state = self._await_end(
+            f"moving to {opening_mm:.1f} mm",
+            2.0 * expected_s + 4.0 * settings.margin_s,
+            target_mm=opening_mm,
+            quiet_s=expected_s + settings.margin_s,
+        )
+        self._require_at(opening_mm, state)
+
+    def grip(self, current_a: float) -> GripResult:
+        """Close the fingers with a motor current until something holds them.
+
+        Args:
+            current_a: Motor current, above 0; the sign for closing is the settings' affair.
+
+        Returns:
+            Whether something is held, and the opening at which the fingers stand.
+
+        Raises:
+            DeviceError: The current is out of range, or the module refuses or fails.
+            DeviceTimeout: The module does not answer or does not finish.
+        """
+        self._require_current(current_a)
+        settings = self._settings
+        self._start(MoveGrip(settings.closing_sign * current_a))
+        try:
+            state = self._await_end("gripping", settings.grip_timeout_s)
+        except DeviceError as error:
+            if error.code != Code.SOFT_LIMIT_LOW:
+                raise
+            self.acknowledge()
+            state = self._read()
+        width_mm = _position(state)
+        is_empty = width_mm < self._lowest_mm + settings.empty_below_mm
+        return GripResult(is_holding=not is_empty, width_mm=width_mm)
+
+    def stop(self) -> None:
+        """Stop the fingers now and return when they stand."""
+        self._ask(Stop())
+        self._await_standstill(self._settings.reply_timeout_s + self._longest_s())
+
+    def emergency_stop(self) -> None:
+        """Stop at once; the module stays in its error state until `acknowledge`."""
+        self._ask(EmergencyStop())
+
+    def wait_for_position(self, opening_mm: float, timeout_s: float) -> None:
+        """Return when the fingers stand at an opening.
+
+        Raises:
+            DeviceError: The module reports an error.
+            DeviceTimeout: They do not stand there in time.
+        """
+        tolerance_mm = self._settings.tolerance_mm
+        deadline_s = self._clock.now_s() + timeout_s
+        state = self._read_sound()
+        while state.status & Status.MOVING or abs(_position(state) - opening_mm) > tolerance_mm:
+            if self._clock.now_s() >= deadline_s:
+                raise DeviceTimeout(
+                    self._settings.device,
+                    f"at {_position(state):.1f} mm instead of {opening_mm:.1f} mm "
+                    f"after {timeout_s:g} s",
+                    hint="look for something that blocks the fingers",
+                )
+            self._pause()
+            state = self._read_sound()
+
+    def wait_for_stop(self, timeout_s: float) -> GripperState:
+        """Return the state as soon as the fingers stand still.
+
+        Raises:
+            DeviceTimeout: They still move after `timeout_s`.
+        """
+        return self._gripper_state(self._await_standstill(timeout_s))
+
+    def read_state(self) -> GripperState:
+        """Return position, speed, current, flags and error."""
+        return self._gripper_state(self._read())
+
+    def acknowledge(self) -> None:
+        """Acknowledge latched errors.
+
+        Raises:
+            DeviceError: An error stays because its cause is still there.
+        """
+        self._ask(Acknowledge())
+        state = self._read()
+        if state.error or state.status & Status.ERROR:
+            raise self._error(problem_of(state.error).text, state.error)
+        self._conversation.forget_impulses()
+
+    def _await_boot(self) -> StateReply:
+        """Return the first state; a module that was just switched on may need a while."""
+        deadline_s = self._clock.now_s() + self._settings.boot_timeout_s
+        attempts = 1 + int(self._settings.boot_timeout_s / self._settings.reply_timeout_s)
+        for _ in range(attempts - 1):
+            try:
+                return self._ask_for(_ASK_STATE, StateReply, attempts=1)
+            except DeviceTimeout:
+                if self._clock.now_s() >= deadline_s:
+                    break
+        return self._ask_for(_ASK_STATE, StateReply, attempts=1)
+
+    def _read_identity(self) -> str:
+        who = self._ask_for(GetConfig(), Identity)
+        return (
+            f"SCHUNK {who.kind} id {self._settings.module_id}, order {who.order}, "
+            f"firmware {who.firmware / 100:.2f}, protocol {who.protocol}"
+        )
+
+    def _require_millimetres(self) -> None:
+        unit = int(self._read_register(Register.UNIT_SYSTEM))
+        if unit != UNIT_MILLIMETRE:
+            raise DeviceError(
+                self._settings.device,
+                f"its unit system is {UNIT_SYSTEMS.get(unit, str(unit))}, not millimetre",
+                hint=f"write {UNIT_MILLIMETRE} to register {Register.UNIT_SYSTEM:#04x} "
+                "with the maker's software",
+            )
+
+    def _read_limits(self) -> None:
+        self._lowest_mm = self._read_register(Register.SOFT_LIMIT_LOW)
+        self._highest_mm = min(
+            self._settings.stroke_mm, self._read_register(Register.SOFT_LIMIT_HIGH)
+        )
+        self._max_current_a = self._read_register(Register.MAX_CURRENT)
+
+    def _read_register(self, register: Register) -> float:
+        return self._ask_for(GetConfig(register), RegisterValue).value
+
+    def _switch_impulses_on(self) -> None:
+        """Toggle until the module says ON: the command cannot set, only turn over."""
+        for _ in range(2):
+            if self._ask_for(ToggleImpulses(), ImpulsesSwitched).are_on:
+                return
+        raise self._error("its spontaneous messages cannot be switched on", None)
+
+    def _start(self, command: CommandRecord) -> Answer:
+        """Send the start of a motion; what was said before belongs to earlier ones."""
+        self._conversation.forget_impulses()
+        return self._ask(command)
+
+    def _await_end(
+        self,
+        what: str,
+        timeout_s: float,
+        *,
+        target_mm: float | None = None,
+        quiet_s: float | None = None,
+    ) -> StateReply:
+        """Return the state in which a motion ended.
+
+        Args:
+            what: The motion, for messages.
+            timeout_s: How long it may take.
+            target_mm: Where it leads, if that is known.
+            quiet_s: How long to rely on impulses before asking for the state.
+        """
+        begin_s = self._clock.now_s()
+        deadline_s = begin_s + timeout_s
+        wait_s = self._settings.margin_s if quiet_s is None else quiet_s
+        try:
+            while True:
+                impulse = self._conversation.next_impulse(min(wait_s, timeout_s))
+                if isinstance(impulse, ErrorReport):
+                    raise self._error(
+                        f"{what} failed: {problem_of(impulse.code).text}", impulse.code
+                    )
+                if impulse is None or isinstance(impulse, MoveBlocked | PositionReached):
+                    state = self._read_sound(what)
+                    if not state.status & Status.MOVING:
+                        return state
+                    wait_s = self._settings.margin_s
+                if self._clock.now_s() >= deadline_s:
+                    break
+        except Stopped:
+            self.stop()
+            raise
+        self.stop()
+        raise DeviceTimeout(
+            self._settings.device,
+            f"{what} did not end within {timeout_s:.1f} s; stopped",
+            hint="look for something that holds the fingers",
+        )
+
+    def _await_standstill(self, timeout_s: float) -> StateReply:
+        deadline_s = self._clock.now_s() + timeout_s
+        state = self._read()
+        while state.status & Status.MOVING:
+            if self._clock.now_s() >= deadline_s:
+                raise DeviceTimeout(
+                    self._settings.device,
+                    f"still moving after {timeout_s:.1f} s",
+                    hint="switch the gripper's power off",
+                )
+            self._pause()
+            state = self._read()
+        return state
+
+    def _pause(self) -> None:
+        """Let some time pass, but no longer than until the module says something."""
+        self._conversation.next_impulse(self._settings.poll_s)
+
+    def _read(self) -> StateReply:
+        return self._ask_for(_ASK_STATE, StateReply)
+
+    def _read_sound(self, what: str = "moving") -> StateReply:
+        state = self._read()
+        if state.error or state.status & Status.ERROR:
+            raise self._error(f"{what} failed: {problem_of(state.error).text}", state.error)
+        return state
+
+    def _ask(self, command: CommandRecord, *, attempts: int | None = None) -> Answer:
+        return self._conversation.ask(
+            command, timeout_s=self._settings.reply_timeout_s, attempts=attempts
+        )
+
+    def _ask_for(
+        self, command: CommandRecord, kind: type[_AnswerT], *, attempts: int | None = None
+    ) -> _AnswerT:
+        answer = self._ask(command, attempts=attempts)
+        if not isinstance(answer, kind):
+            raise self._error(f"answered {type(answer).__name__} to {type(command).__name__}", None)
+        return answer
+
+    def _require_reachable(self, opening_mm: float) -> None:
+        nearest_mm = min(max(opening_mm, self._lowest_mm), self._highest_mm)
+        if opening_mm != nearest_mm:
+            raise DeviceError(
+                self._settings.device,
+                f"an opening of {opening_mm:.1f} mm is out of reach",
+                hint=f"allowed are {self._lowest_mm:.1f} to {self._highest_mm:.1f} mm, "
+                f"nearest is {nearest_mm:.1f} mm",
+            )
+
+    def _require_current(self, current_a: float) -> None:
+        if not 0 < current_a <= self._max_current_a:
+            raise DeviceError(
+                self._settings.device,
+                f"a grip current of {current_a:g} A is out of range",
+                hint=f"allowed is above 0 up to {self._max_current_a:g} A",
+            )
+
+    def _require_at(self, opening_mm: float, state: StateReply) -> None:
+        position_mm = _position(state)
+        if abs(position_mm - opening_mm) > self._settings.tolerance_mm:
+            raise DeviceError(
+                self._settings.device,
+                f"blocked at {position_mm:.1f} mm on the way to {opening_mm:.1f} mm",
+                hint="look for something between or beside the fingers",
+            )
+
+    def _longest_s(self) -> float:
+        """Return how long a move over the whole stroke takes."""
+        settings = self._settings
+        ramp_s = settings.speed_mm_s / settings.acceleration_mm_s2
+        return settings.stroke_mm / settings.speed_mm_s + ramp_s
+
+    def _error(self, problem: str, code: int | None) -> DeviceError:
+        advice = "" if code is None else problem_of(code).advice
+        return DeviceError(self._settings.device, problem, code=code, hint=advice)
+
+    def _gripper_state(self, state: StateReply) -> GripperState:
+        return GripperState(
+            position_mm=_position(state),
+            velocity_mm_s=state.velocity_mm_s or 0.0,
+            current_a=state.current_a or 0.0,
+            is_referenced=bool(state.status & Status.REFERENCED),
+            is_moving=bool(state.status & Status.MOVING),
+            has_error=bool(state.status & Status.ERROR),
+            error=state.error,
+            error_text=problem_of(state.error).text if state.error else "",
+        )
+
+
+def _position(state: StateReply) -> float:
+    # Asked for all three values, a module always sends the position.
+    return 0.0 if state.position_mm is None else state.position_mm
