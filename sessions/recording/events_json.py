@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from json.encoder import encode_basestring_ascii
-from typing import SupportsFloat, SupportsInt, get_args, get_type_hints
+from operator import attrgetter
+from typing import get_args, get_type_hints
 
 from cell.events import Body, Event
 
 _BODIES: tuple[type, ...] = get_args(Body)
 _JSON_TYPES = {int: "integer", float: "number", str: "string", bool: "boolean"}
 
-Writer = Callable[..., str]
+Writer = Callable[[object], str]
 
 
 def encode_event(event: Event) -> bytes:
@@ -69,51 +70,56 @@ def _field_types(owner: type) -> dict[str, type]:
 
 
 def _writer_of(body: type) -> Writer:
-    """Return a function that writes an object of a class as the rest of a JSON object."""
-    parts = [(name, _value_writer(kind)) for name, kind in _field_types(body).items()]
-    opening = f'"{body.__name__}"'
-    keyed = tuple((f',"{name}":', name, write) for name, write in parts)
+    """Return a function that writes an object of a class as the rest of a JSON object.
+
+    The text around the values is made once; a call only fetches and formats values.
+    """
+    leaves = list(_leaves(body, ""))
+    template = f'"{body.__name__}",{_template(body)}}}'
+    paths = [path for path, _ in leaves]
+    quoted = tuple(i for i, (_, kind) in enumerate(leaves) if kind is str)
+    has_floats = any(kind is float for _, kind in leaves)
+    has_flags = any(kind is bool for _, kind in leaves)
+    fetch = attrgetter(*paths)
+    quote: Callable[..., str] = encode_basestring_ascii
 
     def write(value: object) -> str:
-        text = opening
-        for key, name, write_value in keyed:
-            text += key + write_value(getattr(value, name))
-        return text + "}"
+        fetched = fetch(value)
+        values = list(fetched) if len(paths) > 1 else [fetched]
+        for i in quoted:
+            values[i] = quote(values[i])
+        if has_flags:
+            values = [_FLAGS.get(one, one) if isinstance(one, bool) else one for one in values]
+        text = template % tuple(values)
+        if has_floats and ("nan" in text or "inf" in text):
+            return template % tuple([_finite_or_named(one) for one in values])
+        return text
 
     return write
 
 
-def _value_writer(kind: type) -> Writer:
-    if is_dataclass(kind):
-        parts = tuple((name, _value_writer(inner)) for name, inner in _field_types(kind).items())
-
-        def write(value: object) -> str:
-            inside = ",".join([f'"{name}":{inner(getattr(value, name))}' for name, inner in parts])
-            return f"{{{inside}}}"
-
-        return write
-    return _SCALAR_WRITERS[kind]
+def _leaves(owner: type, prefix: str) -> Iterator[tuple[str, type]]:
+    """Yield the dotted path and the type of every value, objects within objects included."""
+    for name, kind in _field_types(owner).items():
+        if is_dataclass(kind):
+            yield from _leaves(kind, f"{prefix}{name}.")
+        else:
+            yield prefix + name, kind
 
 
-def _write_bool(value: object) -> str:
-    return "true" if value else "false"
+def _template(owner: type) -> str:
+    """Return the fields of a class as JSON with `%s` for each value."""
+    return ",".join(
+        f'"{name}":{{{_template(kind)}}}' if is_dataclass(kind) else f'"{name}":%s'
+        for name, kind in _field_types(owner).items()
+    )
 
 
-def _write_float(value: SupportsFloat) -> str:
-    # Going through float gives numpy's scalars the same text as Python's.
-    text = repr(float(value))
-    return _NOT_FINITE.get(text, text)
+def _finite_or_named(value: object) -> object:
+    """Return JSON's usual names for what is not finite, and anything else as it is."""
+    return _NOT_FINITE.get(str(value), value) if isinstance(value, float) else value
 
 
-def _write_int(value: SupportsInt) -> str:
-    return repr(int(value))
-
-
+_FLAGS = {True: "true", False: "false"}
 _NOT_FINITE = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
-_SCALAR_WRITERS: dict[type, Callable[..., str]] = {
-    str: encode_basestring_ascii,
-    bool: _write_bool,
-    float: _write_float,
-    int: _write_int,
-}
 _WRITERS: dict[type, Writer] = {body: _writer_of(body) for body in _BODIES}

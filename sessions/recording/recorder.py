@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+from collections import deque
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,9 +30,13 @@ from sessions.recording.view_writer import ViewWriter
 
 _log = logging.getLogger(__name__)
 
-_FLUSH_BYTES = 16_384
+_FLUSH_MESSAGES = 256
 _EVENT_CAPACITY = 100_000
 _OPCODE_MESSAGE = 5
+_MARKS: dict[Direction, bytes] = {
+    "to_device": layout.TO_DEVICE,
+    "from_device": layout.FROM_DEVICE,
+}
 _EVENT_SCHEMA = layout.SchemaText(name="robocell.Event", encoding="jsonschema", text=event_schema())
 
 
@@ -71,7 +76,7 @@ class SessionRecorder:
         self._clock = clock
         self._counts = file.message_counts
         self._lock = threading.Lock()
-        self._buffer = bytearray()
+        self._pending: deque[tuple[int, int, float, bytes]] = deque()
         self._step = 0
         self._failure: RecordingError | None = None
         self._is_closed = False
@@ -101,13 +106,13 @@ class SessionRecorder:
 
     def received(self, line: bytes) -> None:
         """Note a line of the client (without its LF); it begins a step."""
-        self._step += 1
+        self._step = (self._step + 1) & 0xFFFFFFFF
         self._note(self._received, line)
 
     def replied(self, reply: Reply) -> None:
         """Note the reply to the last line and write the whole step to the file."""
         for event in self._subscription.take():
-            self._note(self._events, encode_event(event), round(event.time_s * 1e9))
+            self._pending.append((self._events, self._step, event.time_s, encode_event(event)))
         flags = layout.REPLY_CLOSES if reply.closes else 0
         view = reply.view
         if view is not None and self._failure is None:
@@ -128,11 +133,11 @@ class SessionRecorder:
         """Note bytes on the wire of a device; after the end of the session they are not noted."""
         if self._is_closed:
             return
-        channel = self._wire_channels.get(link)
-        if channel is None:
-            channel = self._add_wire_channel(link)
-        mark = layout.TO_DEVICE if direction == "to_device" else layout.FROM_DEVICE
-        self._note(channel, mark + data)
+        channel = self._wire_channels.get(link) or self._add_wire_channel(link)
+        pending = self._pending
+        pending.append((channel, self._step, self._clock.now_s(), _MARKS[direction] + data))
+        if len(pending) >= _FLUSH_MESSAGES:
+            self._flush()
 
     def close(self, reason: str) -> None:
         """Write what is left, the summary, and close the file; closing twice is harmless."""
@@ -140,7 +145,7 @@ class SessionRecorder:
             return
         self._is_closed = True
         for event in self._subscription.take():
-            self._note(self._events, encode_event(event), round(event.time_s * 1e9))
+            self._pending.append((self._events, self._step, event.time_s, encode_event(event)))
         self._unsubscribe()
         self._flush()
         try:
@@ -166,37 +171,36 @@ class SessionRecorder:
         except RecordingError as error:
             self._fail(error)
 
-    def _note(self, channel: int, data: bytes, time_ns: int | None = None) -> None:
-        if time_ns is None:
-            time_ns = round(self._clock.now_s() * 1e9)
-        with self._lock:
-            buffer = self._buffer
-            buffer += MESSAGE_HEAD.pack(
-                _OPCODE_MESSAGE,
-                MESSAGE_FIELDS_SIZE + len(data),
-                channel,
-                self._step & 0xFFFFFFFF,
-                time_ns,
-                time_ns,
-            )
-            buffer += data
-            self._counts[channel] += 1
-            if time_ns > self._end_ns:
-                self._end_ns = time_ns
-            is_large = len(buffer) >= _FLUSH_BYTES
-        if is_large:
+    def _note(self, channel: int, data: bytes) -> None:
+        """Keep a message for the next write; cheap, and safe from any thread."""
+        self._pending.append((channel, self._step, self._clock.now_s(), data))
+        if len(self._pending) >= _FLUSH_MESSAGES:
             self._flush()
 
     def _flush(self) -> None:
+        """Write all kept messages in one go."""
+        # Runs once a step and dominates what a recording costs: names are local, a time that
+        # repeats is converted once, and one join copies every byte once.
+        pending, counts, pack = self._pending, self._counts, MESSAGE_HEAD.pack
+        parts: list[bytes] = []
+        last_s = 0.0
+        time_ns = 0
         with self._lock:
-            if self._failure is not None or not self._buffer:
-                self._buffer.clear()
+            for _ in range(len(pending)):
+                channel, step, time_s, data = pending.popleft()
+                if time_s != last_s:
+                    last_s = time_s
+                    time_ns = int(time_s * 1e9 + 0.5)
+                size = MESSAGE_FIELDS_SIZE + len(data)
+                parts += (pack(_OPCODE_MESSAGE, size, channel, step, time_ns, time_ns), data)
+                counts[channel] += 1
+            if self._failure is not None or not parts:
                 return
+            self._end_ns = max(self._end_ns, time_ns)
             try:
-                self._file.append(self._buffer)
+                self._file.append(b"".join(parts))
             except RecordingError as error:
                 self._fail(error)
-            self._buffer.clear()
 
     def _fail(self, error: RecordingError) -> None:
         if self._failure is None:

@@ -1,0 +1,159 @@
+"""What it costs a session to be written down."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from mcap.writer import CompressionType, Writer
+
+from benchmarks.measure import Result, median_s
+from cell.clock import SimulatedClock
+from cell.devices.camera import CameraSettings, Frame
+from cell.events import EventBus, MotionFinished, StepTaken
+from cell.geometry import Pose
+from cell.profile import profile_text
+from sessions.journal import Reply, SessionStart
+from sessions.recording import PictureStorage, RecorderFactory, SessionRecording
+from sessions.recording.events_json import encode_event
+from sessions.recording.pictures import encode_view
+
+_LINES, _WIRE, _EVENTS = 2, 8, 3
+_SETTINGS = CameraSettings(
+    shutter_ms=16.0, gain_db=0.0, white_balance_red=600, white_balance_blue=700
+)
+
+
+def run() -> list[Result]:
+    with tempfile.TemporaryDirectory() as folder:
+        return [_small_records(Path(folder)), *_views(), _reading(Path(folder))]
+
+
+def _start(name: str) -> SessionStart:
+    return SessionStart(
+        session_id=name,
+        script_name="mash.cell",
+        script_text="",
+        profile_text=profile_text("mash"),
+        dialect="1.5",
+        seed=1,
+        world_json="{}",
+        peer="127.0.0.1:1",
+        versions={},
+    )
+
+
+class _Session:
+    """The small records of a step, again and again, in a real file."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self.clock = SimulatedClock()
+        self.events = EventBus(self.clock)
+        self.factory = RecorderFactory(folder, self.events, self.clock, "none")
+        self.recorder = self.factory(_start(name))
+        self.reply = Reply(text=b"REWARD 0\nEVENT 'Robot move'\nSTATE_UPDATED\n")
+        pose = Pose(650.0, -245.0, 98.5)
+        self.bodies = (
+            MotionFinished(pose),
+            MotionFinished(pose),
+            StepTaken(12, "RIGHT", 3, 4, 0.0, "Robot move", "STATE_UPDATED"),
+        )
+
+    def emit(self) -> None:
+        """Only what happens without a recorder, too."""
+        for body in self.bodies:
+            self.events.emit(body)
+
+    def step(self) -> None:
+        """Note one line, eight pieces of wire traffic, three events and the reply."""
+        recorder, tap = self.recorder, self.factory.tap
+        recorder.received(b"ACTION RIGHT")
+        for _ in range(_WIRE // 2):
+            tap("arm", "to_device", b"1;1;PPOSF\r")
+            tap("arm", "from_device", b"QoKX;650.00;Y;-245.00;Z;98.50;A;180.00;B;0.00;C;180.00\r")
+        self.emit()
+        recorder.replied(self.reply)
+
+
+def _small_records(folder: Path) -> Result:
+    session = _Session(folder, "small")
+    with_recorder_s = median_s(session.step, repeat=15, number=1000)
+    session.recorder.close("measured")
+    emitting_s = median_s(session.emit, repeat=15, number=1000)
+    return Result(
+        name=f"{_LINES} lines, {_WIRE} wire messages, {_EVENTS} events of a step",
+        value=(with_recorder_s - emitting_s) * 1e6,
+        unit="us",
+        peer="the same with mcap's writer",
+        peer_value=_library_writer_s(folder, session) * 1e6,
+        target=30.0,
+    )
+
+
+def _library_writer_s(folder: Path, session: _Session) -> float:
+    """Return the time of the same step, written message by message with the library."""
+    with (folder / "library.mcap").open("wb", buffering=0) as file:
+        writer = Writer(file, use_chunking=False, compression=CompressionType.NONE)
+        writer.start()
+        channel = writer.register_channel("x", "octets", 0)
+        subscription, _ = session.events.subscribe()
+
+        def step() -> None:
+            session.emit()
+            for event in subscription.take():
+                writer.add_message(channel, 0, encode_event(event), 0)
+            for data in (b"ACTION RIGHT", session.reply.text, *([b"x" * 40] * _WIRE)):
+                writer.add_message(channel, 0, data, 0)
+
+        return median_s(step, repeat=5, number=500)
+
+
+def _frame() -> Frame:
+    """Return a full-size picture with shading, edges and sensor noise."""
+    noise = np.random.default_rng(1).normal(0.0, 1.5, (960, 1280, 3))
+    ramp = np.linspace(40, 200, 1280)[None, :, None] + noise
+    ramp[300:400, 500:600] = (200, 30, 30)
+    pixels = np.clip(ramp, 0, 255).astype(np.uint8)
+    return Frame(camera="top", number=1, time_s=0.0, pixels=pixels, settings=_SETTINGS)
+
+
+def _views() -> list[Result]:
+    frame = _frame()
+    data = frame.pixels.tobytes()
+    hashing_s = median_s(lambda: encode_view(1, frame, "image/mif", data, "none"))
+    results = []
+    storages: tuple[PictureStorage, ...] = ("jpeg", "lossless")
+    for storage in storages:
+        encode = functools.partial(encode_view, 1, frame, "image/mif", data, storage)
+        encoding_s = median_s(encode)
+        size = len(encode())
+        results.append(
+            Result(
+                name=f"a 1280x960 view, {storage} ({size / 1e3:.0f} kB), beside the session",
+                value=encoding_s * 1e3,
+                unit="ms",
+                peer="its hash alone",
+                peer_value=hashing_s * 1e3,
+            )
+        )
+    return results
+
+
+def _reading(folder: Path) -> Result:
+    session = _Session(folder, "long")
+    for _ in range(5000):
+        session.step()
+    session.recorder.close("measured")
+    path = folder / "long.mcap"
+    reading_s = median_s(lambda: sum(1 for _ in SessionRecording.open(path).steps()), repeat=5)
+    raw_s = median_s(lambda: BytesIO(path.read_bytes()), repeat=5)
+    return Result(
+        name="reading the steps of 5,000",
+        value=reading_s * 1e3,
+        unit="ms",
+        peer="reading the file's bytes",
+        peer_value=raw_s * 1e3,
+    )
