@@ -1,1 +1,1 @@
-"""The command line and the screens of the toolkit."""
+"""The command line `cell`: how people start what the other packages do."""

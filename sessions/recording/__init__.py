@@ -1,6 +1,6 @@
 """Recordings of sessions: one MCAP file each, written as it happens, readable after a crash."""
 
-from sessions.recording.errors import RecordingError
+from sessions.recording.errors import RecordingError, RecordingNotFound
 from sessions.recording.factory import RecorderFactory, SwitchedTap
 from sessions.recording.library import (
     RecordingSummary,
@@ -28,6 +28,7 @@ __all__ = [
     "RecordedView",
     "RecorderFactory",
     "RecordingError",
+    "RecordingNotFound",
     "RecordingSummary",
     "SessionRecorder",
     "SessionRecording",

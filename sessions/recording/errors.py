@@ -7,3 +7,7 @@ from sessions.errors import SessionsError
 
 class RecordingError(SessionsError):
     """A recording cannot be written, found or read; the text names the file."""
+
+
+class RecordingNotFound(RecordingError):
+    """There is no recording of that name, or several are meant."""

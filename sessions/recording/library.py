@@ -11,7 +11,7 @@ from typing import Literal
 
 import platformdirs
 
-from sessions.recording.errors import RecordingError
+from sessions.recording.errors import RecordingError, RecordingNotFound
 from sessions.recording.reader import SessionRecording
 
 RecordingState = Literal["finished", "running", "not finished", "not readable"]
@@ -97,16 +97,16 @@ def find_recording(folder: Path, name: str) -> Path:
         name: A session's name, a unique beginning of it, `latest`, or the path of a file.
 
     Raises:
-        RecordingError: There is no such recording, or several are meant.
+        RecordingNotFound: There is no such recording, or several are meant.
     """
     as_path = Path(name)
     if as_path.suffix == ".mcap":
         if as_path.is_file():
             return as_path
-        raise RecordingError(f"there is no recording {name}")
+        raise RecordingNotFound(f"there is no recording {name}")
     paths = sorted(folder.glob("*.mcap"))
     if not paths:
-        raise RecordingError(f"there are no recordings in {folder}; `cell demo` makes one")
+        raise RecordingNotFound(f"there are no recordings in {folder}; `cell demo` makes one")
     if name == "latest":
         return paths[-1]
     matching = [path for path in paths if path.stem.startswith(name)]
@@ -116,9 +116,11 @@ def find_recording(folder: Path, name: str) -> Path:
     if exact:
         return exact[0]
     if not matching:
-        raise RecordingError(f"no session begins with {name!r}; `cell sessions list` shows all")
+        raise RecordingNotFound(f"no session begins with {name!r}; `cell sessions list` shows all")
     some = ", ".join(path.stem for path in matching[:5])
-    raise RecordingError(f"{len(matching)} sessions begin with {name!r}: {some}; give more of it")
+    raise RecordingNotFound(
+        f"{len(matching)} sessions begin with {name!r}: {some}; give more of it"
+    )
 
 
 def _is_locked(path: Path) -> bool:

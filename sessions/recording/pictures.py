@@ -68,6 +68,21 @@ def decode_picture(picture: bytes) -> NDArray[np.uint8]:
     return np.asarray(cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB), np.uint8)
 
 
+def as_png(picture: bytes) -> bytes:
+    """Return a kept picture as PNG; one that is PNG already is given back as it is.
+
+    Raises:
+        RecordingError: The bytes are no picture.
+    """
+    if picture.startswith(b"\x89PNG"):
+        return picture
+    blue_first = cv2.cvtColor(decode_picture(picture), cv2.COLOR_RGB2BGR)
+    is_done, encoded = cv2.imencode(".png", blue_first)
+    if not is_done:
+        raise RecordingError("a picture of the recording cannot be written as PNG")
+    return encoded.tobytes()
+
+
 def _encode_pixels(pixels: NDArray[np.uint8], storage: PictureStorage) -> bytes:
     if storage == "none":
         return b""

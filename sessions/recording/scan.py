@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Iterator
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import NamedTuple
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
@@ -16,8 +16,7 @@ from sessions.recording.errors import RecordingError
 from sessions.recording.records import MAGIC, MESSAGE_HEAD, RECORD_HEAD
 
 
-@dataclass(frozen=True, slots=True)
-class Message:
+class Message(NamedTuple):
     """A message as it lies in the file.
 
     Attributes:

@@ -1,0 +1,56 @@
+"""The entry point `cell`: finds the command, and is the edge at which every error ends."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from console.commands import COMMANDS, overview
+from console.edge import guarded
+from console.exits import Exit
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    return guarded(lambda: _run(words))
+
+
+def _run(words: list[str]) -> int:
+    if words in ([], ["--help"], ["-h"], ["help"]):
+        sys.stdout.write(overview())
+        return Exit.DONE if words else Exit.USAGE
+    if words == ["--version"]:
+        from importlib.metadata import version
+
+        print(f"robocell {version('robocell')}")
+        return Exit.DONE
+    return _dispatch(words)
+
+
+def _dispatch(words: list[str]) -> int:
+    from cyclopts import App, CycloptsError
+
+    app = App(
+        name="cell",
+        version="",
+        help_formatter="plain",
+        help_format="plaintext",
+        exit_on_error=False,
+        print_error=False,
+        suppress_keyboard_interrupt=False,
+        result_action="return_value",
+    )
+    for command in COMMANDS:
+        app.command(command.target, name=command.name, help=command.summary)
+    try:
+        result = app(words)
+    except CycloptsError as error:
+        sentence = " ".join(str(error).split())
+        print(f"cell: {sentence}", file=sys.stderr)
+        print(
+            "`cell --help` lists the commands, `cell COMMAND --help` their options.",
+            file=sys.stderr,
+        )
+        return Exit.USAGE
+    return result if isinstance(result, int) else Exit.DONE

@@ -1,0 +1,65 @@
+"""The commands there are: name, where each is, what it does in a line.
+
+The modules are imported only when their command runs, so that `cell --help`
+costs little more than the start of the interpreter.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+
+class Command(NamedTuple):
+    """One command.
+
+    Attributes:
+        name: What is typed after `cell`.
+        arguments: What usually follows it, for the overview.
+        target: Module and name of the function or group, as `module:name`.
+        summary: What it does.
+    """
+
+    name: str
+    arguments: str
+    target: str
+    summary: str
+
+
+COMMANDS: Final = (
+    Command("demo", "", "console.demo:demo", "Play a whole experiment on the twin and verify it."),
+    Command("serve", "SCRIPT", "console.serve:serve", "Serve a script to experiment clients."),
+    Command("check", "SCRIPT", "console.check:check", "Check a script, also against a cell."),
+    Command("play", "HOST:PORT", "console.play:play", "Drive the arm with keys."),
+    Command(
+        "experiment",
+        "HOST:PORT",
+        "console.experiment:experiment",
+        "Play episodes by a policy; JSON result.",
+    ),
+    Command(
+        "sessions",
+        "list|show|verify|views",
+        "console.sessions:app",
+        "Look at recorded sessions, and prove that they repeat.",
+    ),
+    Command("clean", "", "console.clean:clean", "Bring every block back to the store."),
+    Command("profile", "show", "console.profile:app", "Show what the program knows of a cell."),
+)
+"""In the order of the overview."""
+
+
+def overview() -> str:
+    """Return the help of `cell` itself."""
+    calls = [f"{command.name} {command.arguments}".strip() for command in COMMANDS]
+    width = max(len(call) for call in calls)
+    listed = "\n".join(
+        f"  {call:{width}}  {command.summary}"
+        for call, command in zip(calls, COMMANDS, strict=True)
+    )
+    return (
+        "Usage: cell COMMAND [OPTIONS]\n\n"
+        "Small research robot cells: serve tasks, record them, replay them.\n\n"
+        f"Commands:\n{listed}\n\n"
+        "  cell COMMAND --help says more; cell --version prints the version.\n"
+        "Begin with `cell demo`.\n"
+    )
