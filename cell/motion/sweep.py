@@ -1,0 +1,232 @@
+"""Whether an arm may go along a path: every stance, and everything in between.
+
+Theory. Between two stances each point of the arm stays within a bounded deviation
+(sagitta) of the straight line between its two places. So if a body lies beyond the
+same face of a box in both stances, by at least that deviation, it never enters the
+box in between; likewise for a plane. A stretch of which this cannot be said is
+halved until it can, or until it is so short that the bodies' real distances decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import ceil, sqrt
+from typing import NamedTuple
+
+from cell.errors import UnreachablePose
+from cell.kinematics import Joints, Point, SixAxisArm
+from cell.motion.boxes import Bounds, separations
+from cell.motion.hull import ArmHull, Stance
+from cell.motion.paths import Path
+from cell.motion.refusals import Fault
+
+TOUCH_MM = 0.05
+"""Contact is no collision: a block that is put down touches the table."""
+LIMIT_SLACK_DEG = 0.01
+"""The controller reads joint angles out with two decimals."""
+_JUMP_DEG = 15.0
+_NEAR_LIMIT_DEG = 1.0
+_SHORT_MM = 2.0
+_TINY_MM = 0.01
+_GRAZE_MM = 1.0
+_UNEVEN = 1.25
+"""How much faster than its mean a joint may turn within a stretch that is not short."""
+_ESCAPE_STEP_MM = 5.0
+
+
+class Walk(NamedTuple):
+    """How far a path is free.
+
+    Attributes:
+        last: The last stance that is allowed.
+        fault: What is violated beyond it, None when the whole path is free.
+    """
+
+    last: Stance
+    fault: Fault | None
+
+
+class Sweep:
+    """Checks paths of one arm and hand against limits, plane and boxes."""
+
+    def __init__(
+        self, arm: SixAxisArm, hull: ArmHull, boxes: Sequence[Bounds], flange_min_z_mm: float
+    ) -> None:
+        self._hull = hull
+        self._boxes = tuple(boxes)
+        self._floor_mm = flange_min_z_mm
+        self._low = tuple(limit - LIMIT_SLACK_DEG for limit in arm.joint_min_deg)
+        self._high = tuple(limit + LIMIT_SLACK_DEG for limit in arm.joint_max_deg)
+        self._speed = arm.joint_speed_deg_s
+
+    def faults(self, stance: Stance) -> Iterator[Fault]:
+        """Yield every constraint that a stance violates, and by how much."""
+        t = stance.t
+        for axis, angle in enumerate(stance.joints):
+            excess = max(self._low[axis] - angle, angle - self._high[axis])
+            if excess > 0.0:
+                yield Fault("joint", t, axis, excess=excess)
+        if stance.flange_z_mm < self._floor_mm - TOUCH_MM:
+            yield Fault("plane", t, excess=self._floor_mm - stance.flange_z_mm)
+        for index, box in enumerate(self._boxes):
+            for group in (0, 1):
+                bounds = stance.hand if group else stance.links
+                if max(separations(bounds, box)) < -TOUCH_MM:
+                    clearance = self._hull.clearance_mm(stance, group, box)
+                    if clearance < -TOUCH_MM:
+                        yield Fault("box", t, index, group, excess=-clearance)
+
+    def walk(self, path: Path, start: Stance, end_t: float, duration_s: float | None) -> Walk:
+        """Go along a path from a stance that violates nothing.
+
+        Args:
+            path: The path.
+            start: A stance of it.
+            end_t: Up to where.
+            duration_s: How long the whole path takes, to check the joints' speeds;
+                None where the joints set the pace.
+        """
+        here = start
+        ahead = _cuts(path, start.t, end_t)
+        while ahead:
+            t = ahead[-1]
+            try:
+                there = path.stance(t, here.joints)
+            except UnreachablePose:
+                return Walk(here, Fault("reach", t))
+            for fault in self.faults(there):
+                return Walk(here, fault)
+            size_mm = path.length_mm * (t - here.t)
+            doubt = self._doubt(path, here, there, size_mm, duration_s)
+            if doubt is None:
+                ahead.pop()
+                here = there
+            elif size_mm <= _TINY_MM or (doubt.kind == "box" and self._is_short(here, there)):
+                if doubt.kind != "box" or self._may_collide(path, here, there):
+                    return Walk(here, doubt)
+                ahead.pop()
+                here = there
+            elif doubt.kind == "speed" and size_mm <= _SHORT_MM:
+                return Walk(here, doubt)
+            else:
+                ahead.append(0.5 * (here.t + t))
+        return Walk(here, None)
+
+    def escape(self, path: Path, start: Stance) -> Walk:
+        """Go along a path from a stance that violates something, until it violates nothing.
+
+        Until then each violation may only become less, and none may be added.
+        """
+        here, before = start, {fault.key: fault for fault in self.faults(start)}
+        steps = 1 + int(path.length_mm / _ESCAPE_STEP_MM)
+        for step in range(1, steps + 1):
+            t = step / steps
+            try:
+                there = path.stance(t, here.joints)
+            except UnreachablePose:
+                return Walk(here, Fault("reach", t))
+            now = {fault.key: fault for fault in self.faults(there)}
+            for key, fault in now.items():
+                if key not in before or fault.excess > before[key].excess + 1e-9:
+                    return Walk(here, fault)
+            if axis := _jumping(here.joints, there.joints, _JUMP_DEG):
+                return Walk(here, Fault("jump", t, axis - 1))
+            here, before = there, now
+            if not now:
+                break
+        return Walk(here, None)
+
+    def _doubt(
+        self, path: Path, here: Stance, there: Stance, size_mm: float, duration_s: float | None
+    ) -> Fault | None:
+        """Return a constraint that might be violated between two good stances."""
+        if duration_s is not None:
+            doubt = self._joint_doubt(here, there, size_mm, duration_s)
+            if doubt is not None:
+                return doubt
+        links_mm, hand_mm = path.sagitta_mm(here, there)
+        lowest = min(here.flange_z_mm, there.flange_z_mm)
+        if lowest - hand_mm < self._floor_mm - TOUCH_MM and size_mm > _SHORT_MM:
+            return Fault("plane", there.t)
+        links_mm -= TOUCH_MM
+        hand_mm -= TOUCH_MM
+        for index, box in enumerate(self._boxes):
+            if not _are_apart(here.hand, there.hand, box, hand_mm):
+                return Fault("box", there.t, index, 1)
+            if not _are_apart(here.links, there.links, box, links_mm):
+                return Fault("box", there.t, index, 0)
+        return None
+
+    def _joint_doubt(
+        self, here: Stance, there: Stance, size_mm: float, duration_s: float
+    ) -> Fault | None:
+        is_short = size_mm <= _SHORT_MM
+        seconds = (there.t - here.t) * duration_s
+        if not is_short:
+            seconds /= _UNEVEN
+        pairs = zip(here.joints, there.joints, self._low, self._high, self._speed, strict=True)
+        for axis, (first, last, low, high, speed) in enumerate(pairs):
+            way = abs(last - first)
+            if way > _JUMP_DEG:
+                return Fault("jump", there.t, axis, excess=way)
+            if way > speed * seconds:
+                return Fault("speed", there.t, axis, ratio=speed * seconds / way)
+            if not is_short:
+                band = _NEAR_LIMIT_DEG + 0.5 * way
+                if min(first, last) < low + band or max(first, last) > high - band:
+                    return Fault("joint", there.t, axis)
+        return None
+
+    def _is_short(self, here: Stance, there: Stance) -> bool:
+        return _widest_mm(here, there) <= _GRAZE_MM
+
+    def _may_collide(self, path: Path, here: Stance, there: Stance) -> bool:
+        """Return whether a short stretch comes too close to a box, by real distances."""
+        sagitta = path.sagitta_mm(here, there)
+        way_mm = _widest_mm(here, there)
+        for box in self._boxes:
+            for group in (0, 1):
+                ends = [self._hull.clearance_mm(at, group, box) for at in (here, there)]
+                if sum(ends) < way_mm + 2.0 * sagitta[group] - 2.0 * TOUCH_MM:
+                    bounds = (here.hand, there.hand) if group else (here.links, there.links)
+                    if not _are_apart(*bounds, box, sagitta[group] - TOUCH_MM):
+                        return True
+        return False
+
+
+def _cuts(path: Path, start_t: float, end_t: float) -> list[float]:
+    """Return where to stand first, last one first."""
+    count = max(1, ceil(path.steps * (end_t - start_t) - 1e-9))
+    step = (end_t - start_t) / count
+    return [end_t, *(start_t + step * i for i in range(count - 1, 0, -1))]
+
+
+def _are_apart(first: Bounds, last: Bounds, box: Bounds, margin_mm: float) -> bool:
+    """Return whether both bounds lie beyond one and the same face by a margin."""
+    x0, y0, z0, x1, y1, z1 = box
+    return (
+        (first[2] - z1 >= margin_mm and last[2] - z1 >= margin_mm)
+        or (x0 - first[3] >= margin_mm and x0 - last[3] >= margin_mm)
+        or (y0 - first[4] >= margin_mm and y0 - last[4] >= margin_mm)
+        or (first[1] - y1 >= margin_mm and last[1] - y1 >= margin_mm)
+        or (first[0] - x1 >= margin_mm and last[0] - x1 >= margin_mm)
+        or (z0 - first[5] >= margin_mm and z0 - last[5] >= margin_mm)
+    )
+
+
+def _jumping(first: Joints, last: Joints, limit_deg: float) -> int:
+    """Return the first joint (1 to 6) that turns by more than a limit, 0 for none."""
+    for axis, (a, b) in enumerate(zip(first, last, strict=True), 1):
+        if abs(b - a) > limit_deg:
+            return axis
+    return 0
+
+
+def _widest_mm(first: Stance, last: Stance) -> float:
+    """Return how far the arm's points or the hand's bounds move at most."""
+    points = max(_distance(a, b) for a, b in zip(first.points, last.points, strict=True))
+    return max(points, *(abs(a - b) for a, b in zip(first.hand, last.hand, strict=True)))
+
+
+def _distance(a: Point, b: Point) -> float:
+    return sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
