@@ -1,0 +1,171 @@
+"""The emulated controller: bytes in, bytes out, and the hands that press its buttons.
+
+A request takes effect when its end arrives; its reply is out after the time that
+both need on the wire and the controller needs to think. Motions start when the
+controller has thought.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from cell.drivers.melfa_r3 import tables
+from cell.drivers.melfa_r3.codec import (
+    MAX_REQUEST_BYTES,
+    GarbledMessage,
+    LineReader,
+    Reply,
+    decode_request,
+    encode_reply,
+)
+from cell.twin.bodies import ArmBody
+from cell.twin.emulators.melfa_r3.commands import Commands
+from cell.twin.emulators.melfa_r3.planner import ArmKinematics, Planner
+from cell.twin.emulators.melfa_r3.refusal import Refusal
+from cell.twin.emulators.melfa_r3.settings import ControllerSettings
+
+_ACCEPTED = b"QoK\r"
+_ACCEPTED_IN_ALARM = b"Qok\r"
+
+
+class MelfaController:
+    """A MELFA controller with an arm, as an emulator behind a link.
+
+    Args:
+        body: The arm's mechanics in the twin.
+        kinematics: The arm's kinematics, for the tool of the settings.
+        settings: Who it is, its limits, speeds and delays.
+    """
+
+    def __init__(
+        self, body: ArmBody, kinematics: ArmKinematics, settings: ControllerSettings
+    ) -> None:
+        self._settings = settings
+        self._commands = Commands(body, Planner(kinematics, settings), settings)
+        self._reader = LineReader(MAX_REQUEST_BYTES)
+        self._outbox: deque[tuple[float, bytes]] = deque()
+        self._is_silent = False
+        self._injected: bytes | None = None
+        self._delay_s = 0.0
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Take bytes that arrive at `now_s`."""
+        for line in self._reader.feed(data):
+            heard_s = now_s + (len(line) + 1) * self._settings.byte_s
+            at_s = heard_s + self._settings.processing_s
+            reply = self._answer(line, now_s, at_s)
+            if not self._is_silent:
+                self._send(reply, at_s)
+
+    def transmit(self, now_s: float) -> bytes:
+        """Return (once) all bytes that are out on the wire by `now_s`."""
+        outbox = self._outbox
+        data = b""
+        while outbox and outbox[0][0] <= now_s:
+            data += outbox.popleft()[1]
+        return data
+
+    def next_output_s(self) -> float | None:
+        """Return when the next bytes will be out, or None if none are coming."""
+        return self._outbox[0][0] if self._outbox else None
+
+    # Hands at the controller, and faults
+
+    def press_emergency_stop(self, now_s: float) -> None:
+        """Press the panel's emergency stop: it latches, the servos go off."""
+        self._commands.state.is_emergency_pressed = True
+        self.raise_alarm(tables.EMERGENCY_PANEL, now_s)
+
+    def release_emergency_stop(self, now_s: float) -> None:
+        """Unlock the panel's emergency stop; the alarm stays until it is reset."""
+        self._advance(now_s)
+        self._commands.state.is_emergency_pressed = False
+
+    def set_key_switch(self, now_s: float, *, is_automatic: bool) -> None:
+        """Turn the key switch to AUTO or TEACH; TEACH takes right and servos away."""
+        self._advance(now_s)
+        state = self._commands.state
+        state.is_automatic = is_automatic
+        if not is_automatic:
+            state.holder = "nobody"
+            self._servos_off(now_s)
+
+    def hold_right_by_panel(self, now_s: float, *, is_held: bool) -> None:
+        """Let somebody at the panel take the operation right, or give it back."""
+        self._advance(now_s)
+        self._commands.state.holder = "panel" if is_held else "nobody"
+
+    def raise_alarm(self, number: int, now_s: float) -> None:
+        """Raise an alarm; its class decides what happens to servos and motion."""
+        self._advance(now_s)
+        state = self._commands.state
+        state.set_alarm(number)
+        if state.severity == "H":
+            self._servos_off(now_s)
+        elif state.severity == "L":
+            self._commands.runner.is_running = False
+            self._commands.mechanism.brake(now_s)
+
+    def press_stop_button(self, now_s: float) -> None:
+        """Press the panel's STOP: the motion ends without an alarm."""
+        self._commands.runner.is_running = False
+        self._commands.mechanism.brake(now_s)
+
+    def set_input(self, bit: int, *, is_on: bool) -> None:
+        """Switch one input of the controller."""
+        inputs = self._commands.state.inputs
+        (inputs.add if is_on else inputs.discard)(bit)
+
+    def fall_silent(self, *, is_silent: bool) -> None:
+        """Answer nothing any more (requests still take effect), or answer again."""
+        self._is_silent = is_silent
+
+    def replace_next_reply(self, data: bytes) -> None:
+        """Send these bytes instead of the next reply."""
+        self._injected = data
+
+    def delay_next_reply(self, delay_s: float) -> None:
+        """Send the next reply later than usual."""
+        self._delay_s = delay_s
+
+    def chatter(self, data: bytes, now_s: float) -> None:
+        """Send bytes that nobody asked for."""
+        self._outbox.append((now_s, data))
+
+    def _answer(self, line: bytes, now_s: float, at_s: float) -> bytes:
+        commands = self._commands
+        state = commands.state
+        try:
+            if commands.runner.is_running:
+                self._advance(now_s)
+            data = commands.answer(decode_request(line), now_s, at_s)
+        except GarbledMessage:
+            return encode_reply(Reply(False, state.alarm != 0, tables.UNKNOWN_COMMAND))
+        except Refusal as refusal:
+            if refusal.is_alarm:
+                state.set_alarm(refusal.number)
+            return encode_reply(Reply(False, state.alarm != 0, refusal.number))
+        if data:
+            return encode_reply(Reply(True, state.alarm != 0, 0, data))
+        return _ACCEPTED_IN_ALARM if state.alarm else _ACCEPTED
+
+    def _send(self, reply: bytes, at_s: float) -> None:
+        if self._injected is not None:
+            reply, self._injected = self._injected, None
+        start_s = at_s + self._delay_s
+        self._delay_s = 0.0
+        if self._outbox:
+            start_s = max(start_s, self._outbox[-1][0])
+        self._outbox.append((start_s + len(reply) * self._settings.byte_s, reply))
+
+    def _advance(self, now_s: float) -> None:
+        """Let a running program go on; what it cannot execute becomes an alarm."""
+        try:
+            self._commands.runner.advance(now_s)
+        except Refusal as refusal:
+            self._commands.state.set_alarm(refusal.number)
+
+    def _servos_off(self, now_s: float) -> None:
+        self._commands.runner.is_running = False
+        self._commands.mechanism.halt(now_s)
+        self._commands.state.servo_ready_s = None
