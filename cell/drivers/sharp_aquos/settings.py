@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cell.drivers.sharp_aquos.codec import Padding
 from cell.drivers.sharp_aquos.tables import HDMI_FIRST, INPUTS_OF_MODEL, InputMap
@@ -25,7 +25,7 @@ class SharpSettings:
     """
 
     device: str = "display"
-    inputs: InputMap = HDMI_FIRST
+    inputs: InputMap = field(default_factory=lambda: HDMI_FIRST)
     padding: Padding = "spaces"
     attempts: int = 2
     reply_timeout_s: float = 1.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cell.drivers.sharp_aquos.tables import HDMI_FIRST, INPUTS_OF_MODEL, InputMap, Permission
 from cell.profile import DisplayProfile
@@ -31,7 +31,7 @@ class SharpTelevisionSettings:
     power_answer_s: float = 0.5
     lit_after_s: float = 4.0
     ready_after_s: float = 10.0
-    inputs: InputMap = HDMI_FIRST
+    inputs: InputMap = field(default_factory=lambda: HDMI_FIRST)
     first_input: int = 1
     permission: Permission = Permission.SERIAL
     identity: tuple[str, str, str] | None = None
