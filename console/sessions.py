@@ -15,7 +15,7 @@ from console.places import pictures_folder, recordings_folder
 
 if TYPE_CHECKING:
     from sessions.recording import RecordedStep, SessionRecording
-    from sessions.verify import VerifyReport
+    from sessions.verify_report import VerifyReport
 
 app = App(name="sessions")
 
@@ -130,9 +130,9 @@ def verify(
 
 def put_report(report: VerifyReport) -> None:
     """Write the result of a replay for people."""
-    colour = "green" if report.is_identical else "red"
     lines = report.describe().splitlines()
-    put("\n".join([styled(lines[0], colour), *lines[1:]]))
+    verdict = styled(lines[0], "green" if report.is_identical else "red")
+    put("\n".join([verdict, *lines[1:]]))
 
 
 def write_pictures(recording: SessionRecording, folder: Path) -> list[Path]:
@@ -182,8 +182,8 @@ def _say_state(recording: SessionRecording) -> None:
 def _put_step(step: RecordedStep, beside: list[str]) -> None:
     moment = f"{step.number:5d} {step.time_ns / 1e9:10.3f} s"
     put(f"{styled(moment, 'dim')}  > {_printable(step.line)}")
-    for line in beside:
-        put(styled(f"{'':18}    {line}", "dim"))
+    for told in beside:
+        put(styled(f"{'':18}    {told}", "dim"))
     if step.reply is None:
         put(f"{'':18}  < (the recording ends here)")
         return
