@@ -60,7 +60,7 @@ class UnreachablePose(CellError):
     """No joint angles within the limits bring the arm to the pose.
 
     Attributes:
-        what: The joint that is in the way, such as `J5`, or `reach` or `height`.
+        what: The joint that is in the way, such as `J5`, or `reach`.
         value: The value the pose asks for.
         limit: The limit it violates.
         unit: Unit of the two figures, `deg` or `mm`.

@@ -19,8 +19,8 @@ from math import atan2, cos, degrees, pi, radians, sin, sqrt
 from typing import TypeAlias
 
 from cell.kinematics.flags import ABOVE, NON_FLIP, RIGHT
-from cell.kinematics.rotation import Matrix34
 from cell.kinematics.geometry import SixAxisGeometry
+from cell.kinematics.rotation import Matrix34
 
 Joints: TypeAlias = tuple[float, float, float, float, float, float]
 Point: TypeAlias = tuple[float, float, float]
@@ -124,14 +124,13 @@ class ClosedForm:
         Raises:
             OutOfReach: The wrist's centre is out of reach.
         """
-        c1, s1, r, h = self._shoulder(matrix, bool(posture & RIGHT), near_deg)
+        c1, s1, r, h = self._shoulder(self.wrist(matrix), posture & RIGHT, near_deg)
         is_front = bool(posture & ABOVE) == bool(posture & RIGHT)
         q2, q3, s23, c23 = self._elbow(r, h, is_front=is_front)
         near4 = 0.0 if near_deg is None else radians(near_deg[3])
         q4, q5, q6 = _wrist_angles(matrix, c1, s1, s23, c23, near4)
-        if not posture & NON_FLIP and q5 != 0.0:
-            q4, q5, q6 = q4 + pi, -q5, q6 + pi
-        return _to_degrees(atan2(s1, c1), q2, q3, q4, q5, q6, near_deg)
+        joints = _to_degrees(atan2(s1, c1), q2, q3, q4, q5, q6, near_deg)
+        return joints if posture & NON_FLIP or q5 == 0.0 else _flipped(joints, near_deg)
 
     def branches(
         self, matrix: Matrix34, near_deg: tuple[float, ...] | None = None
@@ -144,8 +143,9 @@ class ClosedForm:
         """
         found: list[tuple[int, Joints]] = []
         near4 = 0.0 if near_deg is None else radians(near_deg[3])
+        wrist = self.wrist(matrix)
         for side in (RIGHT, 0):
-            c1, s1, r, h = self._shoulder(matrix, bool(side), near_deg)
+            c1, s1, r, h = self._shoulder(wrist, side, near_deg)
             q1 = atan2(s1, c1)
             for height in (ABOVE, 0):
                 try:
@@ -154,11 +154,10 @@ class ClosedForm:
                     break
                 q4, q5, q6 = _wrist_angles(matrix, c1, s1, s23, c23, near4)
                 posture = side | height
-                found.append((posture | NON_FLIP, _to_degrees(q1, q2, q3, q4, q5, q6, near_deg)))
+                joints = _to_degrees(q1, q2, q3, q4, q5, q6, near_deg)
+                found.append((posture | NON_FLIP, joints))
                 if q5 != 0.0:
-                    found.append(
-                        (posture, _to_degrees(q1, q2, q3, q4 + pi, -q5, q6 + pi, near_deg))
-                    )
+                    found.append((posture, _flipped(joints, near_deg)))
         return found
 
     def posture(self, joints_deg: tuple[float, ...]) -> int:
@@ -173,15 +172,15 @@ class ClosedForm:
         return flag | NON_FLIP if joints_deg[4] >= 0.0 else flag
 
     def _shoulder(
-        self, matrix: Matrix34, is_right: bool, near_deg: tuple[float, ...] | None
+        self, wrist: Point, side: int, near_deg: tuple[float, ...] | None
     ) -> tuple[float, float, float, float]:
         """Return cos q1, sin q1 and the wrist in the plane of J1, from the shoulder."""
-        wx, wy, wz = self.wrist(matrix)
+        wx, wy, wz = wrist
         radius = sqrt(wx * wx + wy * wy)
         if radius < _AXIS_MM:
             q1 = 0.0 if near_deg is None else radians(near_deg[0])
             return cos(q1), sin(q1), -self._a1, wz - self._d1
-        if is_right:
+        if side:
             return wx / radius, wy / radius, radius - self._a1, wz - self._d1
         return -wx / radius, -wy / radius, -radius - self._a1, wz - self._d1
 
@@ -258,3 +257,13 @@ def _to_degrees(
         if not -180.0 <= j6 - near6 <= 180.0:
             j6 += 360.0 * round((near6 - j6) / 360.0)
     return j1, degrees(q2), j3, j4, degrees(q5), j6
+
+
+def _flipped(joints: Joints, near_deg: tuple[float, ...] | None) -> Joints:
+    """Return the same stance with the wrist bent the other way."""
+    j1, j2, j3, j4, j5, j6 = joints
+    near4, near6 = (0.0, 0.0) if near_deg is None else (near_deg[3], near_deg[5])
+    return (
+        j1, j2, j3, j4 - 180.0 if j4 > near4 else j4 + 180.0,
+        -j5, j6 - 180.0 if j6 > near6 else j6 + 180.0,
+    )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, radians, sin, sqrt
+from math import cos, hypot, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,9 @@ from cell.errors import ProfileError, UnreachablePose
 from cell.geometry import JointAngles, Pose
 from cell.kinematics.batch import BatchKinematics
 from cell.kinematics.closed_form import ClosedForm, Joints, LinkPoints, OutOfReach
-from cell.kinematics.flags import axis_turns, turns_flag
-from cell.kinematics.rotation import Matrix34, matrix_from_pose, pose_from_matrix
+from cell.kinematics.flags import RIGHT, axis_turns, turns_flag
 from cell.kinematics.geometry import GEOMETRIES, SixAxisGeometry
+from cell.kinematics.rotation import Matrix34, matrix_from_pose, pose_from_matrix
 from cell.kinematics.solutions import IkSolution, LimitViolation, ReachProblem
 from cell.profile import ArmProfile
 
@@ -295,34 +295,21 @@ class SixAxisArm:
         )
 
     def _reach_problem(self, pose: Pose, posture: int | None) -> ReachProblem:
-        """Return how far the wrist is out of reach, level where that says most."""
+        """Return how far the wrist's centre is out of the shoulder's reach."""
         shape = self.geometry
         x, y, z = self._form.wrist(matrix_from_pose(pose))
-        is_left = posture is not None and not posture & 4
-        level = hypot(x, y)
-        outward = -level - shape.a1_mm if is_left else level - shape.a1_mm
-        height = z - shape.d1_mm
-        outer, inner = shape.outer_reach_mm, shape.inner_reach_mm
-        if abs(height) >= outer:
-            limit = shape.d1_mm + (outer if height > 0 else -outer)
-            side = "high" if height > 0 else "low"
-            text = (
-                f"the wrist would lie {abs(z - limit):.1f} mm too {side}: {z:.1f} mm, the arm "
-                f"reaches {limit:.1f} mm"
-            )
-            return ReachProblem(
-                what="height", value=z, limit=limit, unit="mm", text=text, posture=posture
-            )
-        is_far = hypot(outward, height) > outer
-        half = sqrt(max((outer if is_far else inner) ** 2 - height**2, 0.0))
-        limit = half - shape.a1_mm if is_left else half + shape.a1_mm
+        level, height = hypot(x, y), z - shape.d1_mm
+        is_left = posture is not None and not posture & RIGHT
+        distance = hypot(level + shape.a1_mm if is_left else level - shape.a1_mm, height)
+        is_far = distance > shape.outer_reach_mm
+        limit = shape.outer_reach_mm if is_far else shape.inner_reach_mm
         text = (
-            f"the wrist would lie {level:.1f} mm from the arm's upright axis, "
-            f"{abs(level - limit):.1f} mm too {'far' if is_far else 'near'}: the limit at this "
-            f"height is {limit:.1f} mm"
+            f"the wrist, {level:.1f} mm from the upright axis and {z:.1f} mm high, would be "
+            f"{distance:.1f} mm from the shoulder, {abs(distance - limit):.1f} mm too "
+            f"{'far' if is_far else 'near'}"
         )
         return ReachProblem(
-            what="reach", value=level, limit=limit, unit="mm", text=text, posture=posture
+            what="reach", value=distance, limit=limit, unit="mm", text=text, posture=posture
         )
 
 

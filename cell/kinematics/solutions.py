@@ -63,7 +63,7 @@ class ReachProblem:
     """Why a pose cannot be reached.
 
     Attributes:
-        what: What fails: a joint such as `J5`, or `reach` or `height` of the wrist.
+        what: What fails: a joint such as `J5`, or `reach`, from shoulder to wrist.
         value: The value the pose asks for.
         limit: The value it may have at most (or at least).
         unit: `deg` or `mm`.

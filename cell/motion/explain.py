@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
+from math import dist
 
 from cell.errors import MotionRefused, UnreachablePose
 from cell.geometry import Pose
-from cell.kinematics import Point, SixAxisArm, matrix_from_pose
+from cell.kinematics import SixAxisArm, matrix_from_pose
 from cell.kinematics.flags import posture_name
 from cell.motion.boxes import FACES, Bounds, separations
 from cell.motion.hull import GROUPS, ArmHull, Stance
@@ -41,11 +41,9 @@ class Explainer:
         self, path: Path, last: Stance, fault: Fault, duration_s: float | None, speed: float
     ) -> MotionRefused:
         """Return the error for a fault on a path that is free up to a stance."""
+        last, fault = self._closed_in(path, last, fault, duration_s)
         if fault.kind == "speed" and duration_s is not None:
             return self._too_fast(path, fault, duration_s, speed)
-        last, fault = self._closed_in(path, last, fault, duration_s)
-        if fault.kind == "speed":
-            return self._too_fast(path, fault, duration_s or 1.0, speed)
         if fault.kind == "reach":
             return self._beyond_reach(path, last, fault)
         worst = self._worst(path, last, fault)
@@ -102,21 +100,7 @@ class Explainer:
                 high = middle
             else:
                 low, best = middle, stance
-        if error.unit == "deg":
-            nearest = best.joints[int(error.what[1:]) - 1]
-            what, why = error.what, "cannot turn so far"
-        else:
-            nearest = _wrist_figure(best, error.what)
-            what, why = error.what, "is too small for the pose"
-        return MotionRefused(
-            what,
-            value=error.value,
-            limit=error.limit,
-            nearest=nearest,
-            unit=error.unit,
-            why=f"{why} {target}",
-            nearest_point_mm=best.tool_mm,
-        )
+        return self._out_of_reach(best, error, f"for {target}")
 
     def _closed_in(
         self, path: Path, last: Stance, fault: Fault, duration_s: float | None
@@ -196,16 +180,25 @@ class Explainer:
             try:
                 path.stance(t, last.joints)
             except UnreachablePose as error:
-                return MotionRefused(
-                    error.what,
-                    value=error.value,
-                    limit=error.limit,
-                    nearest=_wrist_figure(last, error.what),
-                    unit=error.unit,
-                    why="of the arm does not suffice",
-                    nearest_point_mm=last.tool_mm,
-                )
+                return self._out_of_reach(last, error, "along the line")
         return self._past_joint(last, last, Fault("jump", fault.t))
+
+    def _out_of_reach(self, last: Stance, error: UnreachablePose, where: str) -> MotionRefused:
+        if error.unit == "deg":
+            nearest = last.joints[int(error.what[1:]) - 1]
+            why = f"cannot turn far enough {where}"
+        else:
+            nearest = dist(last.points[1], last.points[4])
+            why = f"from shoulder to wrist is not enough {where}"
+        return MotionRefused(
+            error.what,
+            value=error.value,
+            limit=error.limit,
+            nearest=nearest,
+            unit=error.unit,
+            why=why,
+            nearest_point_mm=last.tool_mm,
+        )
 
     def _too_fast(
         self, path: Path, fault: Fault, duration_s: float, speed_mm_s: float
@@ -228,9 +221,3 @@ class Explainer:
             why=f"is more than J{axis + 1} can follow "
             f"({self._arm.joint_speed_deg_s[axis]:g} deg/s)",
         )
-
-
-def _wrist_figure(stance: Stance, what: str) -> float:
-    """Return the figure of the wrist that a reach problem speaks of."""
-    wrist: Point = stance.points[4]
-    return wrist[2] if what == "height" else hypot(wrist[0], wrist[1])

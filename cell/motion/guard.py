@@ -78,6 +78,7 @@ class Guard:
         bounds = [(*box.min_mm, *box.max_mm) for box in boxes]
         self._hulls = (ArmHull(arm, hand), ArmHull(arm, loaded_hand))
         self._sweeps = tuple(Sweep(arm, hull, bounds, flange_min_z_mm) for hull in self._hulls)
+        self._recent: list[Stance | None] = [None, None]
         self._explainers = tuple(
             Explainer(arm, hull, sweep, [box.name for box in boxes], bounds, flange_min_z_mm)
             for hull, sweep in zip(self._hulls, self._sweeps, strict=True)
@@ -120,14 +121,17 @@ class Guard:
         """
         self._check_speed(speed_mm_s)
         hull, sweep = self._hulls[holds_block], self._sweeps[holds_block]
-        first = hull.stance(0.0, _six(start))
+        first = self._stance(start, holds_block)
         path = LinearPath(self.arm, hull, first, matrix_from_pose(target), posture)
         duration_s = max(path.way_mm / speed_mm_s, path.turn_deg / TURN_SPEED_DEG_S)
         if self.arm.posture(start) != posture and not self._is_start_of(path):
             raise self._explainers[holds_block].wrong_posture(path, posture)
         last, fault = self._travel(sweep, path, duration_s)
         if fault is not None:
+            if fault.kind not in ("plane", "box"):
+                self._check_reach(first, target, posture, holds_block)
             raise self._explainers[holds_block].refusal(path, last, fault, duration_s, speed_mm_s)
+        self._recent[holds_block] = last
         return self._passed("linear", start, last.joints, target, posture, duration_s)
 
     def check_joint(
@@ -169,13 +173,8 @@ class Guard:
         Raises:
             MotionRefused: The motion is not allowed.
         """
-        try:
-            end = _six(self.arm.solve(target, posture, start))
-        except UnreachablePose as error:
-            first = self._hulls[holds_block].stance(0.0, _six(start))
-            raise self._explainers[holds_block].unreachable(
-                first, target, posture, error
-            ) from error
+        first = self._stance(start, holds_block)
+        end = self._check_reach(first, target, posture, holds_block)
         return self._check_joint(start, end, target, posture, percent, holds_block)
 
     def _check_joint(
@@ -197,10 +196,11 @@ class Guard:
                 why="is out of range",
             )
         hull, sweep = self._hulls[holds_block], self._sweeps[holds_block]
-        path = JointPath(hull, hull.stance(0.0, _six(start)), end)
+        path = JointPath(hull, self._stance(start, holds_block), end)
         last, fault = self._travel(sweep, path, None)
         if fault is not None:
             raise self._explainers[holds_block].refusal(path, last, fault, None, percent)
+        self._recent[holds_block] = last
         duration_s = 100.0 / percent * self._fastest_s(start.deg, end)
         return self._passed("joint", start, end, pose, posture, duration_s)
 
@@ -208,11 +208,31 @@ class Guard:
         self, sweep: Sweep, path: Path, duration_s: float | None
     ) -> tuple[Stance, Fault | None]:
         here = path.start
-        if next(sweep.faults(here), None) is not None:
+        if not sweep.is_clean(here) and next(sweep.faults(here), None) is not None:
             here, fault = sweep.escape(path, here)
             if fault is not None or here.t >= 1.0:
                 return here, fault
         return sweep.walk(path, here, 1.0, duration_s)
+
+    def _stance(self, start: JointAngles, holds_block: bool) -> Stance:
+        """Return the stance of a start, most often that of the last move's end."""
+        recent = self._recent[holds_block]
+        if recent is not None and recent.joints == start.deg:
+            return recent._replace(t=0.0)
+        return self._hulls[holds_block].stance(0.0, _six(start))
+
+    def _check_reach(self, first: Stance, target: Pose, posture: int, holds_block: bool) -> Joints:
+        """Return the joint angles of a target.
+
+        A line to a target out of reach is stopped by the joints' speeds first, where
+        the arm is nearly stretched; the reason is the target.
+        """
+        try:
+            return _six(self.arm.solve(target, posture, JointAngles(first.joints)))
+        except UnreachablePose as error:
+            raise self._explainers[holds_block].unreachable(
+                first, target, posture, error
+            ) from error
 
     def _check_speed(self, speed_mm_s: float) -> None:
         limit = self._max_speed_mm_s

@@ -10,6 +10,8 @@ from cell.motion.hull import ArmHull, Stance
 
 LINEAR_STEP_MM = 25.0
 LINEAR_STEP_DEG = 10.0
+JOINT_STEP_DEG = 60.0
+"""First cut of a joint move, by the sum of all joints' ways; refined where it is tight."""
 
 _Axis = tuple[float, float, float]
 _UPRIGHT: _Axis = (0.0, 0.0, 1.0)
@@ -52,7 +54,7 @@ class JointPath:
         self._end = end
         self._way = tuple(e - s for s, e in zip(start.joints, end, strict=True))
         self.length_mm = sum(abs(way) for way in self._way)
-        self.steps = 1
+        self.steps = 1 + int(self.length_mm / JOINT_STEP_DEG)
 
     def stance(self, t: float, near: Joints) -> Stance:
         """Return the stance at t."""

@@ -58,6 +58,19 @@ class Sweep:
         self._low = tuple(limit - LIMIT_SLACK_DEG for limit in arm.joint_min_deg)
         self._high = tuple(limit + LIMIT_SLACK_DEG for limit in arm.joint_max_deg)
         self._speed = arm.joint_speed_deg_s
+        self._slowest = min(arm.joint_speed_deg_s)
+
+    def is_clean(self, stance: Stance) -> bool:
+        """Return whether a stance is quickly seen to violate nothing; else ask `faults`."""
+        return (
+            all(
+                low <= angle <= high
+                for low, angle, high in zip(self._low, stance.joints, self._high, strict=True)
+            )
+            and stance.points[5][2] >= self._floor_mm
+            and all(_are_apart(stance.hand, stance.hand, box, 0.0) for box in self._boxes)
+            and all(_are_apart(stance.links, stance.links, box, 0.0) for box in self._boxes)
+        )
 
     def faults(self, stance: Stance) -> Iterator[Fault]:
         """Yield every constraint that a stance violates, and by how much."""
@@ -89,27 +102,30 @@ class Sweep:
         here = start
         ahead = _cuts(path, start.t, end_t)
         while ahead:
-            t = ahead[-1]
-            try:
-                there = path.stance(t, here.joints)
-            except UnreachablePose:
-                return Walk(here, Fault("reach", t))
-            for fault in self.faults(there):
-                return Walk(here, fault)
+            t, there = ahead[-1]
+            if there is None:
+                try:
+                    there = path.stance(t, here.joints)
+                except UnreachablePose:
+                    return Walk(here, Fault("reach", t))
             size_mm = path.length_mm * (t - here.t)
             doubt = self._doubt(path, here, there, size_mm, duration_s)
             if doubt is None:
                 ahead.pop()
                 here = there
-            elif size_mm <= _TINY_MM or (doubt.kind == "box" and self._is_short(here, there)):
-                if doubt.kind != "box" or self._may_collide(path, here, there):
-                    return Walk(here, doubt)
+                continue
+            for fault in self.faults(there):
+                return Walk(here, fault)
+            is_grazing = doubt.kind == "box" and _widest_mm(here, there) <= _GRAZE_MM
+            if is_grazing and not self._may_collide(path, here, there):
                 ahead.pop()
                 here = there
-            elif doubt.kind == "speed" and size_mm <= _SHORT_MM:
+            elif is_grazing or size_mm <= (_SHORT_MM if doubt.kind == "speed" else _TINY_MM):
                 return Walk(here, doubt)
             else:
-                ahead.append(0.5 * (here.t + t))
+                # Rolling joints are continuous only with the stance just before.
+                ahead[-1] = (t, None if doubt.kind == "jump" else there)
+                ahead.append((0.5 * (here.t + t), None))
         return Walk(here, None)
 
     def escape(self, path: Path, start: Stance) -> Walk:
@@ -139,46 +155,59 @@ class Sweep:
     def _doubt(
         self, path: Path, here: Stance, there: Stance, size_mm: float, duration_s: float | None
     ) -> Fault | None:
-        """Return a constraint that might be violated between two good stances."""
-        if duration_s is not None:
-            doubt = self._joint_doubt(here, there, size_mm, duration_s)
-            if doubt is not None:
-                return doubt
+        """Return a constraint that might be violated from a good stance up to the next."""
+        doubt = self._joint_doubt(here, there, size_mm, duration_s)
+        if doubt is not None:
+            return doubt
         links_mm, hand_mm = path.sagitta_mm(here, there)
-        lowest = min(here.flange_z_mm, there.flange_z_mm)
-        if lowest - hand_mm < self._floor_mm - TOUCH_MM and size_mm > _SHORT_MM:
+        lowest = min(here.points[5][2], there.points[5][2])
+        if lowest - (hand_mm if size_mm > _SHORT_MM else 0.0) < self._floor_mm - TOUCH_MM:
             return Fault("plane", there.t)
         links_mm -= TOUCH_MM
         hand_mm -= TOUCH_MM
-        for index, box in enumerate(self._boxes):
+        index = 0
+        for box in self._boxes:
             if not _are_apart(here.hand, there.hand, box, hand_mm):
                 return Fault("box", there.t, index, 1)
             if not _are_apart(here.links, there.links, box, links_mm):
                 return Fault("box", there.t, index, 0)
+            index += 1  # noqa: SIM113 - an enumeration costs a tenth of the whole check
         return None
 
     def _joint_doubt(
-        self, here: Stance, there: Stance, size_mm: float, duration_s: float
+        self, here: Stance, there: Stance, size_mm: float, duration_s: float | None
     ) -> Fault | None:
+        a1, a2, a3, a4, a5, a6 = here.joints
+        b1, b2, b3, b4, b5, b6 = there.joints
+        l1, l2, l3, l4, l5, l6 = self._low
+        h1, h2, h3, h4, h5, h6 = self._high
+        if not (
+            l1 <= b1 <= h1 and l2 <= b2 <= h2 and l3 <= b3 <= h3
+            and l4 <= b4 <= h4 and l5 <= b5 <= h5 and l6 <= b6 <= h6
+        ):  # fmt: skip
+            return Fault("joint", there.t)
+        if duration_s is None:
+            return None
         is_short = size_mm <= _SHORT_MM
-        seconds = (there.t - here.t) * duration_s
-        if not is_short:
-            seconds /= _UNEVEN
-        pairs = zip(here.joints, there.joints, self._low, self._high, self._speed, strict=True)
-        for axis, (first, last, low, high, speed) in enumerate(pairs):
-            way = abs(last - first)
-            if way > _JUMP_DEG:
-                return Fault("jump", there.t, axis, excess=way)
-            if way > speed * seconds:
-                return Fault("speed", there.t, axis, ratio=speed * seconds / way)
-            if not is_short:
-                band = _NEAR_LIMIT_DEG + 0.5 * way
-                if min(first, last) < low + band or max(first, last) > high - band:
-                    return Fault("joint", there.t, axis)
-        return None
-
-    def _is_short(self, here: Stance, there: Stance) -> bool:
-        return _widest_mm(here, there) <= _GRAZE_MM
+        seconds = (there.t - here.t) * (duration_s if is_short else duration_s / _UNEVEN)
+        ways = (abs(b1 - a1), abs(b2 - a2), abs(b3 - a3), abs(b4 - a4), abs(b5 - a5), abs(b6 - a6))
+        most = max(ways)
+        if most > _JUMP_DEG:
+            return Fault("jump", there.t, ways.index(most), excess=most)
+        if most > self._slowest * seconds:
+            for axis, (way, speed) in enumerate(zip(ways, self._speed, strict=True)):
+                if way > speed * seconds:
+                    return Fault("speed", there.t, axis, ratio=speed * seconds / way)
+        if is_short:
+            return None
+        band = _NEAR_LIMIT_DEG + 0.5 * most
+        if (
+            l1 + band <= b1 <= h1 - band and l2 + band <= b2 <= h2 - band
+            and l3 + band <= b3 <= h3 - band and l4 + band <= b4 <= h4 - band
+            and l5 + band <= b5 <= h5 - band and l6 + band <= b6 <= h6 - band
+        ):  # fmt: skip
+            return None
+        return Fault("joint", there.t)
 
     def _may_collide(self, path: Path, here: Stance, there: Stance) -> bool:
         """Return whether a short stretch comes too close to a box, by real distances."""
@@ -194,11 +223,11 @@ class Sweep:
         return False
 
 
-def _cuts(path: Path, start_t: float, end_t: float) -> list[float]:
-    """Return where to stand first, last one first."""
+def _cuts(path: Path, start_t: float, end_t: float) -> list[tuple[float, Stance | None]]:
+    """Return where to stand first, last one first, with stances still unknown."""
     count = max(1, ceil(path.steps * (end_t - start_t) - 1e-9))
     step = (end_t - start_t) / count
-    return [end_t, *(start_t + step * i for i in range(count - 1, 0, -1))]
+    return [(end_t, None), *((start_t + step * i, None) for i in range(count - 1, 0, -1))]
 
 
 def _are_apart(first: Bounds, last: Bounds, box: Bounds, margin_mm: float) -> bool:
