@@ -26,6 +26,11 @@ class AnswerReader:
         self._data = bytearray()
         self._filled = 0
 
+    @property
+    def dialect(self) -> Dialect:
+        """The dialect in which replies are read."""
+        return self._dialect
+
     def use(self, dialect: Dialect) -> None:
         """Read the replies that follow in another dialect."""
         self._dialect = dialect

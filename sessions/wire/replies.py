@@ -233,3 +233,18 @@ Answer: TypeAlias = (
     | TrajectoryLength
     | Refusal
 )
+
+REFUSALS = (
+    GlobalSeedAlreadySet,
+    NotSupported,
+    NoTaskSelected,
+    UnknownGoal,
+    UnknownEnvironment,
+    UnknownView,
+    UnknownAction,
+    UnknownTrajectory,
+    UnknownCommand,
+    InvalidArguments,
+    Failure,
+)
+"""The classes of `Refusal`."""
