@@ -6,11 +6,12 @@ the laying height, close, straight up. Putting down is the same backwards.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from cell.devices.gripper import Gripper
-from cell.errors import GripFailed
+from cell.errors import GripFailed, StoreError
 from cell.events import BlockGripped, BlockReleased, EventBus
 from cell.geometry import Pose
 from cell.ledger import Ledger, Transfer
@@ -20,6 +21,9 @@ from cell.store import StorePlan, StoreSlot, TablePlace, place_of_slot
 
 WIDTH_TOLERANCE_MM = 2.5
 """How far a gripped width may differ from the block's (fingers and faces give a little)."""
+
+NEAR_MM = 10.0
+"""How far a place may be from where the ledger has a block to mean that block."""
 
 Progress = Callable[[str, int, int], None]
 """Told what is done now, how many of it are done, and how many there are."""
@@ -71,36 +75,53 @@ class Manipulator:
         """
         return place_of_slot(self._plan.slot(number), self._profile.store)
 
-    def grip_at(self, place: TablePlace, kind: str, name: str) -> None:
-        """Grip the block that lies at a place and lift it to the service height.
+    def pick_up(self, place: TablePlace) -> int:
+        """Grip the block that the ledger has at a place, and lift it.
+
+        Until `put_down` the transfer stays open: after a crash `clean` brings it home.
+
+        Returns:
+            The number of the block's slot.
 
         Raises:
-            GripFailed: The fingers closed on nothing, or on something of another width.
+            StoreError: The ledger knows no block there.
+            GripFailed: There is none, or another one.
         """
-        self._gripper.move_to(self._profile.gripper.open_mm)
-        self._approach(place, holds_block=False)
-        result = self._gripper.grip(self._profile.gripper.grip_current_a)
-        width_mm = self._profile.blocks[kind].width_mm
-        if not result.is_holding or abs(result.width_mm - width_mm) > WIDTH_TOLERANCE_MM:
-            self._gripper.move_to(self._profile.gripper.open_mm)
-            self._lift(place, holds_block=False)
-            found = (
-                f"something {result.width_mm:.1f} mm wide" if result.is_holding else "nothing"
-            )
-            raise GripFailed(
-                f"{name}: expected a {kind} ({width_mm:.0f} mm) at "
-                f"({place.x_mm:.1f}, {place.y_mm:.1f}) mm, the fingers found {found}; "
-                "put the block into its slot by hand"
-            )
-        self._ledger.gripped()
-        self._events.emit(BlockGripped(name, result.width_mm))
-        self._lift(place, holds_block=True)
+        number = self._block_at(place)
+        source = self._ledger.blocks_out().get(number)
+        entry = self._plan.slot(number)
+        self._ledger.plan(number, source, source)
+        try:
+            self._grip(source or self.slot_place(number), entry.kind, entry.block)
+        except GripFailed:
+            self._ledger.abandon()
+            raise
+        return number
 
-    def release_at(self, place: TablePlace, name: str) -> None:
-        """Put the held block down at a place and lift the empty fingers."""
-        self._approach(place, holds_block=True)
-        self._gripper.move_to(self._profile.gripper.open_mm)
-        self._events.emit(BlockReleased(name, place.x_mm, place.y_mm, place.yaw_deg))
+    def put_down(self, place: TablePlace) -> None:
+        """Put the block that `pick_up` gripped down at a place.
+
+        Raises:
+            GripFailed: No block was picked up.
+        """
+        transfer = self._ledger.open_transfer()
+        if transfer is None or transfer.phase != "gripped":
+            raise GripFailed("the fingers hold no block that could be put down")
+        entry = self._plan.slot(transfer.slot)
+        own = self.slot_place(entry.number)
+        is_home = math.hypot(own.x_mm - place.x_mm, own.y_mm - place.y_mm) < NEAR_MM
+        self._put_down(entry, None if is_home else place)
+
+    def _block_at(self, place: TablePlace) -> int:
+        out = self._ledger.blocks_out()
+        for slot in self._plan.slots:
+            there = out.get(slot.number) or self.slot_place(slot.number)
+            if math.hypot(there.x_mm - place.x_mm, there.y_mm - place.y_mm) < NEAR_MM:
+                return slot.number
+        raise StoreError(
+            f"the ledger has no block within {NEAR_MM:.0f} mm of "
+            f"({place.x_mm:.1f}, {place.y_mm:.1f}) mm"
+        )
 
     def transfer(self, slot: int, source: TablePlace | None, target: TablePlace | None) -> None:
         """Bring a block from a place to a place; None stands for its own slot.
@@ -111,15 +132,13 @@ class Manipulator:
         entry = self._plan.slot(slot)
         self._ledger.plan(slot, source, target)
         try:
-            self.grip_at(source or self.slot_place(slot), entry.kind, entry.block)
+            self._grip(source or self.slot_place(slot), entry.kind, entry.block)
         except GripFailed:
             self._ledger.abandon()
             raise
         self._put_down(entry, target)
 
-    def lay_out(
-        self, deployments: Sequence[Deployment], progress: Progress = no_progress
-    ) -> None:
+    def lay_out(self, deployments: Sequence[Deployment], progress: Progress = no_progress) -> None:
         """Bring each block from its slot to its place."""
         for done, deployment in enumerate(deployments):
             progress("laying out", done, len(deployments))
@@ -161,6 +180,35 @@ class Manipulator:
         """Return whether the ledger has every block in its slot and none in the fingers."""
         return not self._ledger.blocks_out() and self._ledger.open_transfer() is None
 
+    def _grip(self, place: TablePlace, kind: str, name: str) -> None:
+        """Grip the block that lies at a place and lift it to the service height.
+
+        Raises:
+            GripFailed: The fingers closed on nothing, or on something of another width.
+        """
+        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._approach(place, holds_block=False)
+        result = self._gripper.grip(self._profile.gripper.grip_current_a)
+        width_mm = self._profile.blocks[kind].width_mm
+        if not result.is_holding or abs(result.width_mm - width_mm) > WIDTH_TOLERANCE_MM:
+            self._gripper.move_to(self._profile.gripper.open_mm)
+            self._lift(place, holds_block=False)
+            found = f"something {result.width_mm:.1f} mm wide" if result.is_holding else "nothing"
+            raise GripFailed(
+                f"{name}: expected a {kind} ({width_mm:.0f} mm) at "
+                f"({place.x_mm:.1f}, {place.y_mm:.1f}) mm, the fingers found {found}; "
+                "put the block into its slot by hand"
+            )
+        self._ledger.gripped()
+        self._events.emit(BlockGripped(name, result.width_mm))
+        self._lift(place, holds_block=True)
+
+    def _release(self, place: TablePlace, name: str) -> None:
+        """Put the held block down at a place; the fingers stay there, open."""
+        self._approach(place, holds_block=True)
+        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._events.emit(BlockReleased(name, place.x_mm, place.y_mm, place.yaw_deg))
+
     def _recover(self) -> list[int]:
         """Close a transfer that a crash left open; return the slots whose blocks went home.
 
@@ -198,7 +246,7 @@ class Manipulator:
 
     def _put_down(self, entry: StoreSlot, target: TablePlace | None) -> None:
         place = target or self.slot_place(entry.number)
-        self.release_at(place, entry.block)
+        self._release(place, entry.block)
         self._ledger.released(entry.number, target)
         self._lift(place, holds_block=False)
 

@@ -73,6 +73,16 @@ class RobotCell:
         self._is_open = False
         self._last_frames: dict[str, Frame] = {}
 
+    # A session's beginning
+
+    def begin_session(self, seed: int) -> None:
+        """Start anew whatever counts: frames, and the twin's chance."""
+        self.close_cameras()
+
+    def world_json(self) -> str:
+        """Return the twin's world as text; empty on hardware."""
+        return ""
+
     # Everything on, everything off
 
     @property
@@ -183,9 +193,7 @@ class RobotCell:
 
     # Blocks
 
-    def lay_out(
-        self, deployments: Sequence[Deployment], progress: Progress = no_progress
-    ) -> None:
+    def lay_out(self, deployments: Sequence[Deployment], progress: Progress = no_progress) -> None:
         """Bring blocks from their slots to their places; whatever is out is cleaned first.
 
         Raises:
@@ -211,6 +219,18 @@ class RobotCell:
     def deploy(self, slot: int, place: TablePlace) -> None:
         """Bring one block from its slot to a place."""
         self.manipulator.transfer(slot, None, place)
+
+    def grip_at(self, place: TablePlace) -> int:
+        """Grip the block at a place and lift it; return its slot number."""
+        return self.manipulator.pick_up(place)
+
+    def release_at(self, place: TablePlace) -> None:
+        """Put the gripped block down at a place."""
+        self.manipulator.put_down(place)
+
+    def clean_objects(self, slots: Sequence[int], progress: Progress = no_progress) -> list[int]:
+        """Bring only the blocks of these slots home."""
+        return self.manipulator.clean(slots, progress)
 
     def slot_of(self, kind: str, colour: str) -> tuple[int, ...]:
         """Return the numbers of the slots where blocks of a kind and colour belong."""

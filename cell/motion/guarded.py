@@ -105,7 +105,11 @@ class GuardedArm:
         self._run(
             move,
             lambda: self._arm.move(
-                target, interpolation="linear", posture=posture, expected_s=move.duration_s
+                target,
+                interpolation="linear",
+                posture=move.posture,
+                turns=move.turns,
+                expected_s=move.duration_s,
             ),
         )
 
@@ -126,7 +130,11 @@ class GuardedArm:
         self._run(
             move,
             lambda: self._arm.move(
-                target, interpolation="joint", posture=posture, expected_s=move.duration_s
+                target,
+                interpolation="joint",
+                posture=move.posture,
+                turns=move.turns,
+                expected_s=move.duration_s,
             ),
         )
 

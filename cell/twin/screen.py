@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cell.errors import DeviceError
-from cell.pictures import PICTURES
+from cell.pictures import PICTURE_NAMES
 from cell.twin.world import World
 
 
@@ -15,8 +15,8 @@ class TwinScreen:
 
     def show(self, picture: str) -> None:
         """Show one of the pictures of `cell.pictures`."""
-        if picture not in PICTURES:
-            known = ", ".join(PICTURES)
+        if picture not in PICTURE_NAMES:
+            known = ", ".join(PICTURE_NAMES)
             raise DeviceError("screen", f"knows no picture {picture!r}", hint=f"use {known}")
         self._world.set_picture(picture)
 

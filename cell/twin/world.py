@@ -28,6 +28,8 @@ from cell.twin.scene import Scene, SceneBlock
 _SWEEP_STEP_S = 0.02
 _FINGER_LENGTH_MM = 50.0
 _LEAST_CONTACT_MM = 3.0
+_HIGH_MM = 30.0
+_SMALL_TURN_DEG = 15.0
 
 
 class ToolKinematics(Protocol):
@@ -76,13 +78,15 @@ class World:
         self.blocks = BlockField(blocks, profile.blocks, profile.heights.surface_mm)
         self._generator = random.Random(seed)
         self._joints: JointTuple = profile.arm.rest_deg
+        self._tool_joints: JointTuple = self._joints
+        self._tool_pose = kinematics.forward(JointAngles(self._joints))
         self._path: JointPath | None = None
         self._swept_s = 0.0
         self._opening_mm = profile.gripper.open_mm
         self._closing: _Closing | None = None
         self.held: Held | None = None
         self.outputs: dict[int, bool] = {}
-        self.is_gripper_referenced = False
+        self._asked_reference: Callable[[], bool] = _unreferenced
         self._is_lit = False
         self._input = 0
         self._picture = "black"
@@ -193,11 +197,14 @@ class World:
         """Return whether the gripper has power."""
         return self.outputs.get(self._profile.outputs.gripper_power, False)
 
-    def set_referenced(self, *, is_referenced: bool) -> None:
-        """Keep whether the gripper knows its zero; it forgets it only without power."""
-        if self.is_gripper_referenced != is_referenced:
-            self.is_gripper_referenced = is_referenced
-            self._changed()
+    def ask_reference(self, asked: Callable[[], bool]) -> None:
+        """Ask the gripper from now on whether it knows its zero."""
+        self._asked_reference = asked
+
+    @property
+    def is_gripper_referenced(self) -> bool:
+        """Whether the gripper knows its zero; without power it forgets it."""
+        return self.is_powered() and self._asked_reference()
 
     def opening_mm(self, now_s: float) -> float:
         """Return the opening between the fingers."""
@@ -277,7 +284,7 @@ class World:
         self._opening_mm, self._closing = opening_mm, None
         self.held = held
         self.outputs = dict(outputs)
-        self.is_gripper_referenced = is_gripper_referenced
+        self._asked_reference = lambda: is_gripper_referenced
 
     # Physics
 
@@ -286,7 +293,11 @@ class World:
             self._on_change()
 
     def _tool(self, joints: JointTuple) -> Pose:
-        return self._kinematics.forward(JointAngles(joints))
+        """Return the tool point's pose; the last one asked for is remembered."""
+        if joints != self._tool_joints:
+            self._tool_joints = joints
+            self._tool_pose = self._kinematics.forward(JointAngles(joints))
+        return self._tool_pose
 
     def _jaw(self, tool: Pose) -> Jaw:
         """Return the fingers seen from above for a tool that points down."""
@@ -432,11 +443,20 @@ class World:
     def _stays_above(
         self, path: JointPath, since_s: float, until_s: float, clear_mm: float
     ) -> bool:
-        """Return whether a path surely stays above a height: ends and middle, with room."""
-        return all(
-            self._tool(path.at(time_s)).z_mm >= clear_mm + room_mm
-            for time_s, room_mm in ((until_s, 0.0), (0.5 * (since_s + until_s), 5.0))
-        )
+        """Return whether a path surely stays above a height: its ends and its middle.
+
+        The middle counts with a little less room, and not at all between high ends
+        with little turning: there a path cannot sag that far.
+        """
+        first, last = path.at(since_s), path.at(until_s)
+        lowest_mm = min(self._tool(first).z_mm, self._tool(last).z_mm)
+        if lowest_mm < clear_mm:
+            return False
+        turn_deg = max(abs(a - b) for a, b in zip(first, last, strict=True))
+        if lowest_mm >= clear_mm + _HIGH_MM and turn_deg < _SMALL_TURN_DEG:
+            return True
+        middle = path.at(0.5 * (since_s + until_s))
+        return self._tool(middle).z_mm >= clear_mm + 5.0
 
     def _push_aside(self, tool: Pose, opening_mm: float) -> None:
         low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
@@ -456,6 +476,11 @@ class World:
                 is_round=kind.shape == "cylinder",
             )
             self.blocks.push(outline.polygon(), carried.z_mm, spare=spare)
+
+
+def _unreferenced() -> bool:
+    """Answer for a gripper that was never referenced."""
+    return False
 
 
 def _travel_s(distance_mm: float, speed_mm_s: float, acceleration_mm_s2: float) -> float:
