@@ -9,6 +9,7 @@ asked for.
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import TypeVar
 
 from cell.clock import Clock
@@ -54,22 +55,34 @@ from cell.links.base import Link
 from cell.stop import StopToken
 
 _LOGGER = logging.getLogger(__name__)
+_UNPROVEN = "this driver was never tried on hardware; watch its first motions"
 _ASK_STATE = GetState(0.0, StateMode.ALL)
 _AnswerT = TypeVar("_AnswerT", bound=Answer)
 
 
+def _log_warning(text: str) -> None:
+    _LOGGER.warning("%s", text)
+
+
 class SchunkGripper:
-    """A `Gripper` that speaks the SCHUNK Motion Protocol; never tried on hardware.
+    """A `Gripper` that speaks the SCHUNK Motion Protocol.
 
     Args:
         link: The line to the module.
         clock: What deadlines are measured with.
         settings: Figures of the cell and patience.
         token: Asked, if given, during every motion; a stop ends it.
+        on_warning: Told what a technician should know although nothing failed.
     """
 
     def __init__(
-        self, link: Link, clock: Clock, settings: SchunkSettings, token: StopToken | None = None
+        self,
+        link: Link,
+        clock: Clock,
+        settings: SchunkSettings,
+        *,
+        token: StopToken | None = None,
+        on_warning: Callable[[str], None] = _log_warning,
     ) -> None:
         self._link = link
         self._clock = clock
@@ -82,6 +95,7 @@ class SchunkGripper:
             attempts=settings.attempts,
             token=token,
         )
+        self._on_warning = on_warning
         self._identity = ""
         self._is_closed = False
         self._lowest_mm = 0.0
@@ -103,6 +117,8 @@ class SchunkGripper:
         """
         if self._identity:
             return self._identity
+        if not self._settings.was_tried_on_hardware:
+            self._on_warning(f"{self._settings.device}: {_UNPROVEN}")
         state = self._await_boot()
         if state.error or state.status & Status.ERROR:
             self.acknowledge()
@@ -131,7 +147,7 @@ class SchunkGripper:
         try:
             self.stop()
         except DeviceTimeout as error:
-            _LOGGER.warning("%s; closed all the same", error)
+            self._on_warning(f"{error}; closed all the same")
         finally:
             self._link.close()
 

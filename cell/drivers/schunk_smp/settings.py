@@ -29,6 +29,8 @@ class SchunkSettings:
         poll_s: Time between two questions for the state.
         tolerance_mm: How far from its target a position counts as reached.
         empty_below_mm: Fingers that stand still below this opening hold nothing.
+        was_tried_on_hardware: Whether this driver was tried on a device of metal; it says
+            so when it opens if not.
     """
 
     device: str = "gripper"
@@ -46,6 +48,7 @@ class SchunkSettings:
     poll_s: float = 0.1
     tolerance_mm: float = 0.5
     empty_below_mm: float = 1.0
+    was_tried_on_hardware: bool = False
 
     @classmethod
     def from_profile(cls, profile: GripperProfile, device: str = "gripper") -> SchunkSettings:

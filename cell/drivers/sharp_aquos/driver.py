@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
+from collections.abc import Callable
 
 from cell.clock import Clock
 from cell.drivers.sharp_aquos.codec import (
@@ -37,23 +38,37 @@ from cell.links.base import Link
 
 _LOGGER = logging.getLogger(__name__)
 _SLICE_S = 0.1
+_UNPROVEN = "this driver was never tried on this model; watch what the set does"
+
+
+def _log_warning(text: str) -> None:
+    _LOGGER.warning("%s", text)
 
 
 class SharpDisplay:
-    """A `Display` that speaks the AQUOS protocol; never tried on this model.
+    """A `Display` that speaks the AQUOS protocol.
 
     Args:
         link: The line to the set.
         clock: What deadlines are measured with.
         settings: The model's figures.
+        on_warning: Told what a technician should know although nothing failed.
     """
 
-    def __init__(self, link: Link, clock: Clock, settings: SharpSettings) -> None:
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        settings: SharpSettings,
+        *,
+        on_warning: Callable[[str], None] = _log_warning,
+    ) -> None:
         self._link = link
         self._clock = clock
         self._settings = settings
         self._reader = LineReader()
         self._heard: deque[ReplyRecord] = deque()
+        self._on_warning = on_warning
         self._identity = ""
         self._is_closed = False
 
@@ -65,6 +80,8 @@ class SharpDisplay:
             DeviceTimeout: Nothing answers.
         """
         if not self._identity:
+            if not self._settings.was_tried_on_hardware:
+                self._on_warning(f"{self._settings.device}: {_UNPROVEN}")
             self._check_link()
             self._identity = self._read_identity()
         return self._identity

@@ -22,6 +22,8 @@ class SharpSettings:
         power_timeout_s: How long the answer to a power command may take.
         ready_timeout_s: How long after power on until inputs are accepted.
         poll_s: Time between two questions whether the set is ready.
+        was_tried_on_hardware: Whether this driver was tried on a device of metal; it says
+            so when it opens if not.
     """
 
     device: str = "display"
@@ -32,6 +34,7 @@ class SharpSettings:
     power_timeout_s: float = 3.0
     ready_timeout_s: float = 30.0
     poll_s: float = 0.5
+    was_tried_on_hardware: bool = False
 
     @classmethod
     def from_profile(cls, profile: DisplayProfile, device: str = "display") -> SharpSettings:
