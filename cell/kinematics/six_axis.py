@@ -11,7 +11,7 @@ from cell.errors import ProfileError, UnreachablePose
 from cell.geometry import JointAngles, Pose
 from cell.kinematics.batch import BatchKinematics
 from cell.kinematics.closed_form import ClosedForm, Joints, LinkPoints, OutOfReach
-from cell.kinematics.flags import RIGHT, axis_turns, turns_flag
+from cell.kinematics.flags import NON_FLIP, RIGHT, axis_turns, turns_flag
 from cell.kinematics.geometry import GEOMETRIES, SixAxisGeometry
 from cell.kinematics.rotation import Matrix34, matrix_from_pose, pose_from_matrix
 from cell.kinematics.solutions import IkSolution, LimitViolation, ReachProblem
@@ -110,10 +110,11 @@ class SixAxisArm:
     def inverse(self, pose: Pose, near: JointAngles | None = None) -> tuple[IkSolution, ...]:
         """Return every solution of a pose, also those outside the joint limits.
 
-        There are eight, four where J5 is 0 (flip and non-flip are then the same), none
-        out of reach. J6 is given in the turn nearest to `near` (or to 0) that its limits
-        allow; `equivalents` lists the others. A free axis keeps its angle in `near`, or
-        is 0: J4 where J5 is 0, J1 where the wrist lies on the J1 axis.
+        There are eight at most: none on a side that is out of reach, and where J5 is 0
+        flip is the same as non-flip and left out. J6 is given in the turn nearest to
+        `near` (or to 0) that its limits allow; `equivalents` lists the others. A free axis
+        keeps its angle in `near`, or is 0: J4 where J5 is 0, J1 where the wrist lies on
+        the J1 axis.
         """
         near_deg = None if near is None else near.deg
         l1, l2, l3, l4, l5, l6 = self._low
@@ -238,8 +239,7 @@ class SixAxisArm:
     def is_reachable(self, pose: Pose, posture: int | None = None) -> bool:
         """Return whether the arm can stand at a pose, in one posture or in any."""
         return any(
-            solution.is_allowed and (posture is None or solution.posture == posture)
-            for solution in self.inverse(pose)
+            solution.is_allowed and _stands_in(solution, posture) for solution in self.inverse(pose)
         )
 
     def reach_problem(self, pose: Pose, posture: int | None = None) -> ReachProblem | None:
@@ -247,11 +247,7 @@ class SixAxisArm:
 
         Without a posture the one that comes closest is examined.
         """
-        solutions = [
-            solution
-            for solution in self.inverse(pose)
-            if posture is None or solution.posture == posture
-        ]
+        solutions = [found for found in self.inverse(pose) if _stands_in(found, posture)]
         if not solutions:
             return self._reach_problem(pose, posture)
         best = min(solutions, key=lambda solution: solution.worst_deg)
@@ -311,6 +307,13 @@ class SixAxisArm:
         return ReachProblem(
             what="reach", value=distance, limit=limit, unit="mm", text=text, posture=posture
         )
+
+
+def _stands_in(solution: IkSolution, posture: int | None) -> bool:
+    """Return whether a solution has a posture; a straight wrist is flip and non-flip."""
+    if posture is None or solution.posture == posture:
+        return True
+    return solution.joints.deg[4] == 0.0 and solution.posture == posture | NON_FLIP
 
 
 def _as_error(pose: Pose, problem: ReachProblem) -> UnreachablePose:
