@@ -1,0 +1,166 @@
+"""`cell serve`: a script for experiment clients, until somebody stops it."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from console.exits import ConsoleError, Exit
+from console.options import ProfileName
+from console.output import put, say
+from console.places import cell_folder, recordings_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sessions.server import Listener, MasServer
+
+DialectName = Literal["1.2", "1.3", "1.4", "1.5"]
+_DIALECTS = ("1.2", "1.3", "1.4", "1.5")
+
+
+def serve(
+    script: str,
+    /,
+    *,
+    profile: ProfileName = "mash",
+    host: str | None = None,
+    port: int | None = None,
+    dialect: DialectName | None = None,
+    listen: Annotated[
+        list[str] | None,
+        Parameter(negative="", help="Another listener, HOST:PORT/DIALECT; may be given again."),
+    ] = None,
+    seed: int | None = None,
+    real_time: Annotated[
+        bool, Parameter(negative="", help="Move as fast as the arm would, not as fast as it can.")
+    ] = False,
+    views: Annotated[
+        Literal["jpeg", "lossless", "none"], Parameter(help="How recordings keep pictures.")
+    ] = "jpeg",
+    no_record: Annotated[bool, Parameter(negative="", help="Record nothing.")] = False,
+) -> int:
+    """Serve a script over MAS on the twin.
+
+    Writes one line `listening on HOST:PORT dialect D` for each listener as soon as it
+    accepts connections. SIGTERM ends it cleanly: the running reply is sent, connections
+    are closed, blocks are brought home, the recording is closed.
+
+    Args:
+        script: Path of a script, or the name of a shipped one.
+        host: Address to listen on; the profile's unless given.
+        port: Port to listen on, 0 for a free one; the profile's unless given.
+        dialect: MAS version to speak; the profile's unless given.
+        seed: Seed of the first session; drawn and told unless given.
+        profile: Profile of the cell.
+        listen: Further listeners.
+        real_time: Whether time passes as it does for people.
+        views: How recordings keep pictures.
+        no_record: Whether nothing is recorded.
+    """
+    from cell.clock import SimulatedClock, SystemClock
+    from cell.profile import parse_profile, profile_text
+    from console.scripts import load_script
+    from sessions.hosting import host_twin
+    from sessions.seeds import random_seed
+    from sessions.server import Listener, MasServer
+
+    text = profile_text(profile)
+    used = parse_profile(text, profile)
+    first = Listener(
+        used.server.host if host is None else host,
+        used.server.port if port is None else port,
+        dialect or used.server.dialect,
+    )
+    listeners = [first, *(Listener(*parse_listener(one)) for one in listen or ())]
+    _log_to_stderr()
+    drawn = random_seed() if seed is None else seed
+    hosted = host_twin(
+        load_script(script),
+        used,
+        text,
+        seed=drawn,
+        clock=SystemClock() if real_time else SimulatedClock(),
+        state_folder=cell_folder(used.name),
+        recordings=None if no_record else recordings_folder(),
+        views=views,
+    )
+    say(f"seed {drawn}", "dim")
+    try:
+        return run_until_stopped(MasServer(hosted.desk, listeners, ready=_announce))
+    finally:
+        hosted.close()
+
+
+def run_until_stopped(server: MasServer) -> int:
+    """Serve until SIGTERM (exit code 0) or Ctrl-C (130), then shut down cleanly."""
+    received: list[int] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        received.append(number)
+        server.request_stop()
+
+    with _signals(stop):
+        server.start()
+        server.wait()
+        say("stopping: the cell is brought in order", "dim")
+        server.shutdown()
+    return Exit.INTERRUPTED if signal.SIGINT in received else Exit.DONE
+
+
+def parse_listener(text: str) -> tuple[str, int, str]:
+    """Return host, port and dialect of `HOST:PORT/DIALECT`.
+
+    Raises:
+        ConsoleError: The text is no such thing.
+    """
+    address, _, dialect = text.partition("/")
+    if dialect not in _DIALECTS:
+        raise ConsoleError(
+            f"--listen {text}: HOST:PORT/DIALECT is expected, the dialect one of "
+            f"{', '.join(_DIALECTS)}"
+        )
+    host, port = parse_address(address)
+    return host, port, dialect
+
+
+def parse_address(text: str) -> tuple[str, int]:
+    """Return host and port of `HOST:PORT`; an IPv6 host stands in brackets.
+
+    Raises:
+        ConsoleError: The text is no such thing.
+    """
+    host, colon, port = text.rpartition(":")
+    if not (colon and port.isascii() and port.isdigit() and int(port) <= 65535):
+        raise ConsoleError(f"{text!r} is no address; HOST:PORT is expected, as 127.0.0.1:10993")
+    return host.removeprefix("[").removesuffix("]") or "127.0.0.1", int(port)
+
+
+def _announce(listeners: Sequence[Listener]) -> None:
+    for listener in listeners:
+        put(f"listening on {listener.host}:{listener.port} dialect {listener.dialect}")
+
+
+def _log_to_stderr() -> None:
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
+    )
+
+
+@contextmanager
+def _signals(stop: signal.Handlers | object) -> Iterator[None]:
+    """Have SIGTERM and SIGINT handled for a while."""
+    numbers = (signal.SIGTERM, signal.SIGINT)
+    before = {number: signal.signal(number, stop) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
