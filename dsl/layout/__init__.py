@@ -1,0 +1,1 @@
+"""Where the blocks of a task lie: which blocks, on which points, or why nowhere."""
