@@ -197,9 +197,9 @@ class MasServer:
                 target=self._serve, args=(connection,), name=f"mas-{peer}", daemon=True
             )
             self._connections[connection] = thread
+            if room <= 0:
+                _log.warning("%s: too many connections, turned away", peer)
             thread.start()
-        if room <= 0:
-            _log.warning("%s: too many connections, turned away", peer)
         return True
 
     def _serve(self, connection: Connection) -> None:
