@@ -18,6 +18,7 @@ MAX_REPLY_BYTES = 4096
 """Longest reply a driver accepts; the longest one known has some 200 bytes."""
 END = b"\r"
 
+_NUMBERS = {str(number): number for number in range(100)} | {"": 1}
 _STRAY = b"\x00\r\n"
 _STATUS = {
     b"QoK": (True, False),
@@ -40,6 +41,13 @@ class GarbledMessage(DeviceError):
         super().__init__(
             device, problem, hint="check the cable and the port's baud rate, parity and stop bits"
         )
+
+
+class UnsendableRequest(DeviceError):
+    """A request that cannot be put into bytes."""
+
+    def __init__(self, problem: str, *, device: str = "arm") -> None:
+        super().__init__(device, problem, hint="correct the value")
 
 
 class Request(NamedTuple):
@@ -78,7 +86,7 @@ def encode_request(request: Request) -> bytes:
     """Return the bytes of a request, its end included.
 
     Raises:
-        GarbledMessage: The text holds what cannot be sent, or is too long.
+        UnsendableRequest: The text holds what cannot be sent, or is too long.
     """
     robot, slot, command, args = request
     return encode_text(f"{robot};{slot};{command}{args}")
@@ -88,14 +96,14 @@ def encode_text(text: str) -> bytes:
     """Return the bytes of a request given as text without its end.
 
     Raises:
-        GarbledMessage: The text holds what cannot be sent, or is too long.
+        UnsendableRequest: The text holds what cannot be sent, or is too long.
     """
     if len(text) > MAX_REQUEST_BYTES:
-        raise GarbledMessage(
+        raise UnsendableRequest(
             f"a request of {len(text)} bytes is too long, the most is {MAX_REQUEST_BYTES}"
         )
-    if not text.isascii() or "\r" in text or "\n" in text or "\x00" in text:
-        raise GarbledMessage(f"the request {text!r} holds characters that cannot be sent")
+    if not (text.isascii() and text.isprintable()):
+        raise UnsendableRequest(f"the request {text!r} holds characters that cannot be sent")
     return text.encode("ascii") + END
 
 
@@ -115,7 +123,10 @@ def decode_request(line: bytes) -> Request:
     word = command_word(rest)
     if not word:
         raise GarbledMessage(f"the request {text!r} holds no known command")
-    return Request(_number(robot, text), _number(slot, text), word, rest[len(word) :])
+    try:
+        return Request(_NUMBERS[robot], _NUMBERS[slot], word, rest[len(word) :])
+    except KeyError as error:
+        raise GarbledMessage(f"the request {text!r} names no robot or slot") from error
 
 
 def command_word(text: str) -> str:
@@ -177,6 +188,11 @@ class LineReader:
 
     def feed(self, data: bytes) -> list[bytes]:
         """Take bytes and return the lines they complete, in order."""
+        size = len(data)
+        if not self._rest and data.find(END) == size - 1 and 1 < size <= self._max_bytes:
+            # One whole line in one piece, as nearly always.
+            line = data.strip(_STRAY)
+            return [line] if line else []
         *ends, rest = (self._rest + data).split(END)
         lines = []
         for end in ends:
@@ -196,12 +212,3 @@ class LineReader:
             return line
         # The last byte is none that gets stripped, so the line stays too long.
         return line[: self._max_bytes] + b"\xff"
-
-
-def _number(field: str, text: str) -> int:
-    """Return robot or slot; left out means 1."""
-    if not field:
-        return 1
-    if not (field.isascii() and field.isdigit() and len(field) <= 3):
-        raise GarbledMessage(f"the request {text[:80]!r} does not start with <robot>;<slot>;")
-    return int(field)

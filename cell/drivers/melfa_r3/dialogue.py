@@ -12,6 +12,7 @@ from cell.drivers.melfa_r3.codec import (
     GarbledMessage,
     LineReader,
     Reply,
+    UnsendableRequest,
     decode_reply,
     encode_text,
 )
@@ -102,6 +103,8 @@ class Dialogue:
         except GarbledMessage as error:
             self._missed_reply = True
             raise self.garbled(error) from error
+        except UnsendableRequest as error:
+            raise UnsendableRequest(error.problem, device=self.device) from error
 
     def garbled(self, error: GarbledMessage) -> GarbledMessage:
         """Return an error of the codec with the name of this device."""

@@ -15,6 +15,9 @@ from cell.geometry import JointAngles, Pose
 
 CARTESIAN = ("X", "Y", "Z", "A", "B", "C")
 JOINTS = ("J1", "J2", "J3", "J4", "J5", "J6")
+_LAYOUTS: dict[tuple[str, ...], str] = {
+    names: ";".join([f"{name};%.2f" for name in names]) for names in (CARTESIAN, JOINTS)
+}
 
 
 class AxisReport(NamedTuple):
@@ -47,10 +50,10 @@ def parse_axes(data: str) -> AxisReport:
     try:
         end = fields.index("")
         flags, override, speed, mask = fields[end + 1 : end + 5]
-        values = tuple([None if field == "****" else _finite(field) for field in fields[1:end:2]])
+        values = tuple([None if field == "****" else float(field) for field in fields[1:end:2]])
         names = tuple(fields[0:end:2])
-        if len(names) != len(values):
-            raise ValueError
+        if len(names) != len(values) or not math.isfinite(sum(filter(None, values))):
+            raise ValueError(data)
         return AxisReport(
             names, values, _flags(flags), int(override), _finite(speed), int(mask, 16)
         )
@@ -61,12 +64,16 @@ def parse_axes(data: str) -> AxisReport:
 def print_axes(report: AxisReport) -> str:
     """Return the data of a PPOSF or JPOSF reply."""
     names, values, flags, override, speed, mask = report
-    pairs = ";".join(
-        [
-            f"{name};****" if value is None else f"{name};{value:.2f}"
-            for name, value in zip(names, values, strict=True)
-        ]
-    )
+    layout = _LAYOUTS.get(names)
+    if layout is not None and None not in values:
+        pairs = layout % values
+    else:
+        pairs = ";".join(
+            [
+                f"{name};****" if value is None else f"{name};{value:.2f}"
+                for name, value in zip(names, values, strict=True)
+            ]
+        )
     flag_text = "****,****" if flags is None else f"{flags[0]},{flags[1]}"
     # A zero has no sign: rounding noise must not show.
     return f"{pairs};;{flag_text};{override};{speed:.2f};{mask:08X}".replace("-0.00;", "0.00;")

@@ -11,7 +11,7 @@ import math
 import re
 from typing import Literal, NamedTuple, TypeAlias
 
-from cell.drivers.melfa_r3.codec import GarbledMessage
+from cell.drivers.melfa_r3.codec import GarbledMessage, UnsendableRequest
 from cell.geometry import JointAngles, Pose
 
 Values: TypeAlias = tuple[float, ...]
@@ -110,7 +110,6 @@ Statement: TypeAlias = (
 )
 
 _COMBINED = re.compile(r"(P\w*)\s*([+*])\s*(P\w*)", re.ASCII)
-_NAME = re.compile(r"[PJ]\w*", re.ASCII)
 _OUTPUT = re.compile(r"M_OUT\s*\(\s*(\d+)\s*\)\s*=\s*([01])", re.ASCII)
 _NUMBER_NAME = re.compile(r"M\w*", re.ASCII)
 _TYPE = re.compile(r"\s+TYPE\s+\d+\s*,\s*\d+", re.ASCII)
@@ -126,11 +125,11 @@ def print_position(pose: Pose, flags: tuple[int, int] | None) -> str:
     """Return a position constant with three decimals.
 
     Raises:
-        GarbledMessage: A number is not finite.
+        UnsendableRequest: A number is not finite.
     """
     x, y, z, a, b, c = pose.x_mm, pose.y_mm, pose.z_mm, pose.a_deg, pose.b_deg, pose.c_deg
     if not math.isfinite(x + y + z + a + b + c):
-        raise GarbledMessage(f"{pose} is no position")
+        raise UnsendableRequest(f"{pose} is no position")
     text = f"({x:.3f},{y:.3f},{z:.3f},{a:.3f},{b:.3f},{c:.3f})"
     return text if flags is None else f"{text}({flags[0]},{flags[1]})"
 
@@ -139,10 +138,10 @@ def print_joints(joints: JointAngles) -> str:
     """Return a joint constant with four decimals.
 
     Raises:
-        GarbledMessage: An angle is not finite.
+        UnsendableRequest: An angle is not finite.
     """
     if not math.isfinite(sum(joints.deg)):
-        raise GarbledMessage(f"{joints} are no joint angles")
+        raise UnsendableRequest(f"{joints} are no joint angles")
     return "(" + ",".join([f"{angle:.4f}" for angle in joints.deg]) + ")"
 
 
@@ -150,7 +149,7 @@ def print_statement(statement: Statement) -> str:
     """Return the text of a statement as a host sends it after EXEC.
 
     Raises:
-        GarbledMessage: A number is not finite.
+        UnsendableRequest: A number is not finite.
     """
     match statement:
         case AssignPosition(name, Position(pose, flags)):
@@ -175,7 +174,7 @@ def print_statement(statement: Statement) -> str:
             return f"{'HOPEN' if is_open else 'HCLOSE'} {hand}"
         case SwitchOutput(bit, is_on):
             return f"M_OUT({bit})={int(is_on)}"
-    raise GarbledMessage(f"{statement!r} is no statement")
+    raise UnsendableRequest(f"{statement!r} is no statement")
 
 
 def parse_statement(text: str) -> Statement:
@@ -201,13 +200,13 @@ def parse_operand(text: str) -> Operand:
     Raises:
         ValueError: The text is neither.
     """
+    if text.isidentifier() and text[0] in "PJ":
+        return text
     combined = _COMBINED.fullmatch(text)
-    if combined is not None:
-        first, operator, second = combined.groups()
-        return Combined(first, "+" if operator == "+" else "*", second)
-    if not text.isidentifier() or text[0] not in "PJ":
+    if combined is None:
         raise ValueError(text)
-    return text
+    first, operator, second = combined.groups()
+    return Combined(first, "+" if operator == "+" else "*", second)
 
 
 def parse_position(text: str) -> Position:
@@ -217,16 +216,17 @@ def parse_position(text: str) -> Position:
         ValueError: The text is no position.
     """
     groups = text.split("(")
-    if len(groups) == 3 and not groups[0]:
-        x, y, z, a, b, c = _group(groups[1])
-        first, second = groups[2].rstrip()[:-1].split(",")
-        if groups[2].rstrip()[-1:] != ")":
+    if groups[0] or not 2 <= len(groups) <= 3:
+        raise ValueError(text)
+    x, y, z, a, b, c = _group(groups[1])
+    flags = None
+    if len(groups) == 3:
+        body = groups[2].rstrip()
+        first, second = body[:-1].split(",")
+        if body[-1] != ")":
             raise ValueError(text)
-        return Position(Pose(x, y, z, a, b, c), (int(first), int(second)))
-    if len(groups) == 2 and not groups[0]:
-        x, y, z, a, b, c = _group(groups[1])
-        return Position(Pose(x, y, z, a, b, c), None)
-    raise ValueError(text)
+        flags = (int(first), int(second))
+    return Position(Pose(x, y, z, a, b, c), flags)
 
 
 def _parse_assignment(text: str, name: str, value: str) -> Statement:
@@ -239,7 +239,7 @@ def _parse_assignment(text: str, name: str, value: str) -> Statement:
         if _NUMBER_NAME.fullmatch(name):
             return AssignNumber(name, _finite(value))
         raise ValueError(text)
-    if not _NAME.fullmatch(name):
+    if not (name.isidentifier() and name[0] in "PJ"):
         raise ValueError(text)
     if name[0] == "P":
         if value[:1] == "(":
@@ -290,7 +290,7 @@ def _finite(text: str) -> float:
 
 def _print_number(value: float) -> str:
     if not math.isfinite(value):
-        raise GarbledMessage(f"{value} is no number")
+        raise UnsendableRequest(f"{value} is no number")
     return str(int(value)) if value == int(value) else f"{value:.3f}"
 
 

@@ -70,7 +70,7 @@ class Commands:
         if robot not in (0, 1, self._settings.robot) or slot > 32:
             raise Refusal(tables.ARGUMENT_RANGE)
         state = self.state
-        if not state.is_open and command not in _OPEN_IN_ANY_STATE:
+        if not (state.is_open or command in _OPEN_IN_ANY_STATE):
             raise Refusal(tables.NOT_OPEN)
         if state.holder != "host" and (
             tables.COMMANDS[command].needs_right
@@ -232,20 +232,12 @@ class Commands:
         flags: tuple[int, int] | None,
         now_s: float,
     ) -> str:
-        speed = self.mechanism.speed_mm_s(now_s)
-        override = self.state.override_percent
+        mechanism = self.mechanism
+        speed = mechanism.speed_mm_s(now_s)
+        mask = self._planner.limit_mask(mechanism.joints_deg(now_s))
         return records.print_axes(
-            records.AxisReport(names, values, flags, override, speed, self._limit_mask(now_s))
+            records.AxisReport(names, values, flags, self.state.override_percent, speed, mask)
         )
-
-    def _limit_mask(self, now_s: float) -> int:
-        """Return a bit for each joint that stands at a limit."""
-        settings = self._settings
-        mask = 0
-        for axis, angle in enumerate(self.mechanism.joints_deg(now_s)):
-            if angle <= settings.joint_min_deg[axis] or angle >= settings.joint_max_deg[axis]:
-                mask |= 1 << axis
-        return mask
 
     def _state(self, args: str, now_s: float, at_s: float) -> str:
         state = self.state

@@ -20,9 +20,10 @@ from cell.drivers.melfa_r3.codec import (
 )
 from cell.twin.bodies import ArmBody
 from cell.twin.emulators.melfa_r3.commands import Commands
-from cell.twin.emulators.melfa_r3.planner import ArmKinematics, Planner
+from cell.twin.emulators.melfa_r3.planner import Planner
 from cell.twin.emulators.melfa_r3.refusal import Refusal
 from cell.twin.emulators.melfa_r3.settings import ControllerSettings
+from cell.twin.emulators.melfa_r3.stand import ArmKinematics
 
 _ACCEPTED = b"QoK\r"
 _ACCEPTED_IN_ALARM = b"Qok\r"

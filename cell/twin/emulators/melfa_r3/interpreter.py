@@ -23,9 +23,10 @@ from cell.drivers.melfa_r3.statements import (
 from cell.geometry import JointAngles, Pose, Transform
 from cell.twin.bodies import JointTuple
 from cell.twin.emulators.melfa_r3.mechanism import Mechanism
-from cell.twin.emulators.melfa_r3.planner import Planner, Stand, six
+from cell.twin.emulators.melfa_r3.planner import Planner
 from cell.twin.emulators.melfa_r3.refusal import Refusal
 from cell.twin.emulators.melfa_r3.settings import ControllerSettings
+from cell.twin.emulators.melfa_r3.stand import Stand, six
 from cell.twin.emulators.melfa_r3.state import ControllerState
 from cell.twin.emulators.melfa_r3.tool import ToolFrame, from_offset
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from cell.twin.bodies import ArmBody, JointTuple
 from cell.twin.emulators.melfa_r3.paths import PlannedPath
-from cell.twin.emulators.melfa_r3.planner import Planner, Stand
+from cell.twin.emulators.melfa_r3.planner import Planner
+from cell.twin.emulators.melfa_r3.stand import Stand
 
 
 class Mechanism:
