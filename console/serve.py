@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -65,6 +65,7 @@ def serve(
         views: How recordings keep pictures.
         no_record: Whether nothing is recorded.
     """
+    further = [parse_listener(one) for one in listen or ()]
     from cell.clock import SimulatedClock, SystemClock
     from cell.profile import parse_profile, profile_text
     from console.scripts import load_script
@@ -79,7 +80,7 @@ def serve(
         used.server.port if port is None else port,
         dialect or used.server.dialect,
     )
-    listeners = [first, *(Listener(*parse_listener(one)) for one in listen or ())]
+    listeners = [first, *(Listener(*one) for one in further)]
     _log_to_stderr()
     drawn = random_seed() if seed is None else seed
     hosted = host_twin(
@@ -155,7 +156,7 @@ def _log_to_stderr() -> None:
 
 
 @contextmanager
-def _signals(stop: signal.Handlers | object) -> Iterator[None]:
+def _signals(stop: Callable[[int, FrameType | None], None]) -> Iterator[None]:
     """Have SIGTERM and SIGINT handled for a while."""
     numbers = (signal.SIGTERM, signal.SIGINT)
     before = {number: signal.signal(number, stop) for number in numbers}
