@@ -77,6 +77,7 @@ class MasClient:
     def __init__(self, connected: socket.socket, timeout_s: float) -> None:
         """Use a connected socket; `MasClient.connect` makes one and learns the dialect."""
         connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        connected.settimeout(timeout_s)
         self._socket = connected
         self._timeout_s = timeout_s
         self._reader = AnswerReader(DIALECTS["1.5"])
