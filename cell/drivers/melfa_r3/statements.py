@@ -130,7 +130,7 @@ def print_position(pose: Pose, flags: tuple[int, int] | None) -> str:
     x, y, z, a, b, c = pose.x_mm, pose.y_mm, pose.z_mm, pose.a_deg, pose.b_deg, pose.c_deg
     if not math.isfinite(x + y + z + a + b + c):
         raise UnsendableRequest(f"{pose} is no position")
-    text = f"({x:.3f},{y:.3f},{z:.3f},{a:.3f},{b:.3f},{c:.3f})"
+    text = f"({x:.3f},{y:.3f},{z:.3f},{a:.3f},{b:.3f},{c:.3f})".replace("-0.000", "0.000")
     return text if flags is None else f"{text}({flags[0]},{flags[1]})"
 
 
@@ -233,9 +233,9 @@ def _parse_assignment(text: str, name: str, value: str) -> Statement:
     if name.startswith("M"):
         output = _OUTPUT.fullmatch(text)
         if output is not None:
-            return SwitchOutput(int(output[1][:6]), output[2] == "1")
+            return SwitchOutput(int(output[1]), output[2] == "1")
         if name == "M_TOOL":
-            return SelectTool(int(value[:6]))
+            return SelectTool(int(value))
         if _NUMBER_NAME.fullmatch(name):
             return AssignNumber(name, _finite(value))
         raise ValueError(text)
@@ -264,7 +264,7 @@ def _parse_command(word: str, rest: str) -> Statement:
             raise ValueError(rest)
         return SetFigure(name, values)
     if word == "HOPEN" or word == "HCLOSE":
-        return SwitchHand(int(rest[:6]), word == "HOPEN")
+        return SwitchHand(int(rest), word == "HOPEN")
     if word == "TOOL":
         return SetTool(parse_position(rest).pose)
     raise ValueError(word)

@@ -7,7 +7,7 @@ controller has thought.
 
 from __future__ import annotations
 
-from collections import deque
+from bisect import insort
 
 from cell.drivers.melfa_r3 import tables
 from cell.drivers.melfa_r3.codec import (
@@ -44,7 +44,8 @@ class MelfaController:
         self._settings = settings
         self._commands = Commands(body, Planner(kinematics, settings), settings)
         self._reader = LineReader(MAX_REQUEST_BYTES)
-        self._outbox: deque[tuple[float, bytes]] = deque()
+        self._outbox: list[tuple[float, bytes]] = []
+        self._wire_free_s = 0.0
         self._is_silent = False
         self._injected: bytes | None = None
         self._delay_s = 0.0
@@ -63,7 +64,7 @@ class MelfaController:
         outbox = self._outbox
         data = b""
         while outbox and outbox[0][0] <= now_s:
-            data += outbox.popleft()[1]
+            data += outbox.pop(0)[1]
         return data
 
     def next_output_s(self) -> float | None:
@@ -130,8 +131,8 @@ class MelfaController:
         self._delay_s = delay_s
 
     def chatter(self, data: bytes, now_s: float) -> None:
-        """Send bytes that nobody asked for."""
-        self._outbox.append((now_s, data))
+        """Send bytes that nobody asked for, at `now_s` or later."""
+        insort(self._outbox, (now_s, data))
 
     def _answer(self, line: bytes, now_s: float, at_s: float) -> bytes:
         commands = self._commands
@@ -153,11 +154,10 @@ class MelfaController:
     def _send(self, reply: bytes, at_s: float) -> None:
         if self._injected is not None:
             reply, self._injected = self._injected, None
-        start_s = at_s + self._delay_s
+        start_s = max(at_s + self._delay_s, self._wire_free_s)
         self._delay_s = 0.0
-        if self._outbox:
-            start_s = max(start_s, self._outbox[-1][0])
-        self._outbox.append((start_s + len(reply) * self._settings.byte_s, reply))
+        self._wire_free_s = start_s + len(reply) * self._settings.byte_s
+        insort(self._outbox, (self._wire_free_s, reply))
 
     def _advance(self, now_s: float) -> None:
         """Let a running program go on; what it cannot execute becomes an alarm."""
