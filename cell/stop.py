@@ -11,24 +11,24 @@ class StopToken:
     """Asked often by whoever works, set once by whoever wants the work to end."""
 
     def __init__(self) -> None:
-        self._event = threading.Event()
-        self._reason = ""
+        self._lock = threading.Lock()
+        self._reason: str | None = None
 
     @property
     def is_set(self) -> bool:
         """Whether a stop was asked for."""
-        return self._event.is_set()
+        return self._reason is not None
 
     def stop(self, reason: str) -> None:
         """Ask for a stop; the first reason given is kept."""
-        if not self._event.is_set():
-            self._reason = reason
-            self._event.set()
+        with self._lock:
+            if self._reason is None:
+                self._reason = reason
 
     def clear(self) -> None:
         """Forget the stop, so that work may start again."""
-        self._reason = ""
-        self._event.clear()
+        with self._lock:
+            self._reason = None
 
     def check(self) -> None:
         """Return if work may go on.
@@ -36,5 +36,6 @@ class StopToken:
         Raises:
             Stopped: A stop was asked for; the text holds the reason.
         """
-        if self._event.is_set():
-            raise Stopped(self._reason)
+        reason = self._reason
+        if reason is not None:
+            raise Stopped(reason)

@@ -18,9 +18,9 @@ class CapturedLink:
         return self._link.name
 
     def write(self, data: bytes) -> None:
-        """Send bytes and show them to the tap."""
-        self._tap(self._link.name, "to_device", data)
+        """Send bytes and then show them to the tap: what was not sent is not shown."""
         self._link.write(data)
+        self._tap(self._link.name, "to_device", data)
 
     def read(self, timeout_s: float) -> bytes:
         """Receive bytes and show them to the tap."""

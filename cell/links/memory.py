@@ -6,6 +6,8 @@ from cell.clock import Clock
 from cell.errors import LinkError
 from cell.links.base import Emulator
 
+_CREEP_S = 1e-6
+
 
 class MemoryLink:
     """Joins a driver to an emulator on a common clock.
@@ -36,11 +38,16 @@ class MemoryLink:
         now_s = self._clock.now_s()
         data = self._emulator.transmit(now_s)
         deadline_s = now_s + timeout_s
+        creep_s = _CREEP_S
         while not data and now_s < deadline_s:
             next_s = self._emulator.next_output_s()
             wake_s = deadline_s if next_s is None else min(next_s, deadline_s)
-            # A due time that rounds to "now" must still move the time on.
-            self._clock.sleep(max(wake_s - now_s, 1e-6))
+            if wake_s > now_s:
+                self._clock.sleep(wake_s - now_s)
+            else:
+                # An emulator that is due but says nothing must not hold the time still.
+                self._clock.sleep(creep_s)
+                creep_s *= 2.0
             now_s = self._clock.now_s()
             data = self._emulator.transmit(now_s)
         return data

@@ -5,15 +5,30 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
+from cell.clock import Clock
 from cell.errors import LinkError
 from cell.links.base import Direction
 
 
 class ScriptedLink:
-    """Answers a driver from recorded traffic and insists on the same requests."""
+    """Answers a driver from recorded traffic and insists on the same requests.
 
-    def __init__(self, name: str, traffic: Iterable[tuple[Direction, bytes]]) -> None:
+    Args:
+        name: Name of the device behind the link, as in the profile.
+        traffic: What was sent and received, oldest first.
+        clock: Slept on by a read that gets nothing, as a real line takes its time-out;
+            without one such a read returns at once.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        traffic: Iterable[tuple[Direction, bytes]],
+        *,
+        clock: Clock | None = None,
+    ) -> None:
         self._name = name
+        self._clock = clock
         self._expected = deque(traffic)
         self._is_open = True
 
@@ -51,6 +66,8 @@ class ScriptedLink:
         self._require_open()
         if self._expected and self._expected[0][0] == "from_device":
             return self._expected.popleft()[1]
+        if self._clock is not None:
+            self._clock.sleep(timeout_s)
         return b""
 
     def close(self) -> None:
