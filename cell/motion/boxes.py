@@ -10,8 +10,7 @@ from cell.kinematics import Point
 Bounds: TypeAlias = tuple[float, float, float, float, float, float]
 """Low x, y, z and high x, y, z of an upright box, in mm."""
 
-FACES = ("x", "x", "y", "y", "z", "z")
-"""Axis of each separation that `separations` returns."""
+AXES = ("x", "y", "z")
 
 
 def separations(bounds: Bounds, box: Bounds) -> Bounds:

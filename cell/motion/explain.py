@@ -7,15 +7,17 @@ from math import dist
 
 from cell.errors import MotionRefused, UnreachablePose
 from cell.geometry import Pose
-from cell.kinematics import SixAxisArm, matrix_from_pose
+from cell.kinematics import Point, SixAxisArm, matrix_from_pose
 from cell.kinematics.flags import posture_name
-from cell.motion.boxes import FACES, Bounds, separations
+from cell.motion.boxes import AXES, Bounds, separations
 from cell.motion.hull import GROUPS, ArmHull, Stance
 from cell.motion.paths import LinearPath, Path
 from cell.motion.refusals import Fault
-from cell.motion.sweep import Sweep
+from cell.motion.sweep import TOUCH_MM, Sweep
 
 _HALVINGS = 20
+_SLOWEST = 1e-4
+"""Share of the asked speed below which no allowed speed is searched."""
 
 
 class Explainer:
@@ -58,7 +60,7 @@ class Explainer:
                 nearest_point_mm=last.tool_mm,
             )
         if fault.kind == "box":
-            return self._into_box(last, worst, fault)
+            return self._into_box(path, last, worst, fault)
         return self._past_joint(last, worst, fault)
 
     def wrong_posture(self, path: LinearPath, posture: int) -> MotionRefused:
@@ -152,23 +154,31 @@ class Explainer:
             nearest_point_mm=last.tool_mm,
         )
 
-    def _into_box(self, last: Stance, worst: Stance, fault: Fault) -> MotionRefused:
-        """Word a collision along the axis on which the body was still clear of the box."""
+    def _into_box(self, path: Path, last: Stance, worst: Stance, fault: Fault) -> MotionRefused:
+        """Word a collision along the axis that says most about it.
+
+        That is the axis on which the body was still clear of the box, or else the one
+        along which the tool was under way.
+        """
         box = self._boxes[fault.index]
         clear = separations(self._bounds(last, fault.group), box)
         face = max(range(6), key=lambda index: clear[index])
-        axis = face // 2
-        depth = -separations(self._bounds(worst, fault.group), box)[face]
-        outwards = 1.0 if face % 2 == 0 else -1.0
-        value = worst.tool_mm[axis]
-        part = GROUPS[fault.group]
+        end = _tool_at(path, 1.0, last)
+        if clear[face] > -2.0 * TOUCH_MM:
+            axis = face // 2
+        else:
+            axis = max(range(3), key=lambda index: abs(end[index] - last.tool_mm[index]))
+        limit = last.tool_mm[axis]
+        if worst.t >= 1.0 and axis == face // 2:
+            depth = -separations(self._bounds(worst, fault.group), box)[face]
+            limit = end[axis] + (depth if face % 2 == 0 else -depth)
         return MotionRefused(
-            f"tool {FACES[face]}",
-            value=value,
-            limit=value + outwards * depth,
+            f"tool {AXES[axis]}",
+            value=end[axis],
+            limit=limit,
             nearest=last.tool_mm[axis],
             unit="mm",
-            why=f"would bring the {part} into the {self._box_names[fault.index]}",
+            why=f"would bring the {GROUPS[fault.group]} into the {self._box_names[fault.index]}",
             nearest_point_mm=last.tool_mm,
         )
 
@@ -206,8 +216,8 @@ class Explainer:
         """Find the largest speed at which no joint is too slow; the path's way stays the same."""
         ratio, axis = fault.ratio, fault.index
         allowed = 1.0
-        for _ in range(_HALVINGS):
-            allowed *= min(ratio, 0.999)
+        while allowed > _SLOWEST:
+            allowed *= min(ratio, 0.99)
             walk = self._sweep.walk(path, path.start, 1.0, duration_s / allowed)
             if walk.fault is None or walk.fault.kind != "speed":
                 break
@@ -221,3 +231,11 @@ class Explainer:
             why=f"is more than J{axis + 1} can follow "
             f"({self._arm.joint_speed_deg_s[axis]:g} deg/s)",
         )
+
+
+def _tool_at(path: Path, t: float, near: Stance) -> Point:
+    """Return the tool point on a path, where it can be told."""
+    try:
+        return path.stance(t, near.joints).tool_mm
+    except UnreachablePose:
+        return near.tool_mm

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import dist
 from typing import NamedTuple
 
 from cell.kinematics import Joints, LinkPoints, Matrix34, Point, SixAxisArm
@@ -156,6 +157,21 @@ class ArmHull:
             return min(_capsule(*body, box) for body in self._links(stance))
         fingers = max(separations(self.finger_bounds(stance), box))
         return min(fingers, *(_capsule(*body, box) for body in self._hand_axes(stance)))
+
+    def way_mm(self, first: Stance, last: Stance, group: int) -> float:
+        """Return how far a group of bodies moves at most, in a straight line."""
+        p, q = first.points, last.points
+        if group == 0:
+            return max(dist(p[index], q[index]) for index in (1, 2, 3, 4))
+        m, n = first.matrix, last.matrix
+        turned = [dist((m[c], m[4 + c], m[8 + c]), (n[c], n[4 + c], n[8 + c])) for c in range(3)]
+        corners = (
+            dist(p[6], q[6])
+            + turned[0] * self._hand.half_x_mm
+            + turned[1] * self._hand.half_y_mm
+            + turned[2] * max(self._hand.below_mm, FINGER_LENGTH_MM)
+        )
+        return max(corners, dist(p[4], q[4]), dist(p[5], q[5]))
 
     def _links(self, stance: Stance) -> tuple[tuple[Point, Point, float], ...]:
         p, r = stance.points, LINK_RADIUS_MM

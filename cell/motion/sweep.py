@@ -10,11 +10,11 @@ halved until it can, or until it is so short that the bodies' real distances dec
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import ceil, sqrt
+from math import ceil
 from typing import NamedTuple
 
 from cell.errors import UnreachablePose
-from cell.kinematics import Joints, Point, SixAxisArm
+from cell.kinematics import Joints, SixAxisArm
 from cell.motion.boxes import Bounds, separations
 from cell.motion.hull import ArmHull, Stance
 from cell.motion.paths import Path
@@ -26,6 +26,8 @@ LIMIT_SLACK_DEG = 0.01
 """The controller reads joint angles out with two decimals."""
 _JUMP_DEG = 15.0
 _NEAR_LIMIT_DEG = 1.0
+_STILL_DEG = 1e-3
+"""A joint that moves less has no speed to speak of."""
 _SHORT_MM = 2.0
 _TINY_MM = 0.01
 _GRAZE_MM = 1.0
@@ -101,6 +103,7 @@ class Sweep:
         """
         here = start
         ahead = _cuts(path, start.t, end_t)
+        known_mm: dict[tuple[float, int, int], float] = {}
         while ahead:
             t, there = ahead[-1]
             if there is None:
@@ -116,11 +119,11 @@ class Sweep:
                 continue
             for fault in self.faults(there):
                 return Walk(here, fault)
-            is_grazing = doubt.kind == "box" and _widest_mm(here, there) <= _GRAZE_MM
-            if is_grazing and not self._may_collide(path, here, there):
+            is_box = doubt.kind == "box"
+            if is_box and not self._may_collide(path, here, there, known_mm):
                 ahead.pop()
                 here = there
-            elif is_grazing or size_mm <= (_SHORT_MM if doubt.kind == "speed" else _TINY_MM):
+            elif self._is_settled(doubt, here, there, size_mm):
                 return Walk(here, doubt)
             else:
                 # Rolling joints are continuous only with the stance just before.
@@ -194,9 +197,9 @@ class Sweep:
         most = max(ways)
         if most > _JUMP_DEG:
             return Fault("jump", there.t, ways.index(most), excess=most)
-        if most > self._slowest * seconds:
+        if most > self._slowest * seconds + _STILL_DEG:
             for axis, (way, speed) in enumerate(zip(ways, self._speed, strict=True)):
-                if way > speed * seconds:
+                if way > speed * seconds + _STILL_DEG:
                     return Fault("speed", there.t, axis, ratio=speed * seconds / way)
         if is_short:
             return None
@@ -209,17 +212,35 @@ class Sweep:
             return None
         return Fault("joint", there.t)
 
-    def _may_collide(self, path: Path, here: Stance, there: Stance) -> bool:
-        """Return whether a short stretch comes too close to a box, by real distances."""
+    def _is_settled(self, doubt: Fault, here: Stance, there: Stance, size_mm: float) -> bool:
+        """Return whether halving a stretch further would not resolve a doubt."""
+        if doubt.kind == "box" and self._hull.way_mm(here, there, doubt.group) <= _GRAZE_MM:
+            return True
+        return size_mm <= (_SHORT_MM if doubt.kind == "speed" else _TINY_MM)
+
+    def _may_collide(
+        self, path: Path, here: Stance, there: Stance, known_mm: dict[tuple[float, int, int], float]
+    ) -> bool:
+        """Return whether a stretch comes too close to a box, by real distances.
+
+        A body whose distances from a box at both ends add up to more than its way and
+        twice its deviation cannot reach the box in between.
+        """
         sagitta = path.sagitta_mm(here, there)
-        way_mm = _widest_mm(here, there)
-        for box in self._boxes:
-            for group in (0, 1):
-                ends = [self._hull.clearance_mm(at, group, box) for at in (here, there)]
-                if sum(ends) < way_mm + 2.0 * sagitta[group] - 2.0 * TOUCH_MM:
-                    bounds = (here.hand, there.hand) if group else (here.links, there.links)
-                    if not _are_apart(*bounds, box, sagitta[group] - TOUCH_MM):
-                        return True
+        for group in (0, 1):
+            bounds = (here.hand, there.hand) if group else (here.links, there.links)
+            needed = 2.0 * (sagitta[group] - TOUCH_MM) + self._hull.way_mm(here, there, group)
+            for index, box in enumerate(self._boxes):
+                if _are_apart(*bounds, box, sagitta[group] - TOUCH_MM):
+                    continue
+                total = 0.0
+                for stance in (here, there):
+                    key = (stance.t, group, index)
+                    if key not in known_mm:
+                        known_mm[key] = self._hull.clearance_mm(stance, group, box)
+                    total += known_mm[key]
+                if total < needed:
+                    return True
         return False
 
 
@@ -249,13 +270,3 @@ def _jumping(first: Joints, last: Joints, limit_deg: float) -> int:
         if abs(b - a) > limit_deg:
             return axis
     return 0
-
-
-def _widest_mm(first: Stance, last: Stance) -> float:
-    """Return how far the arm's points or the hand's bounds move at most."""
-    points = max(_distance(a, b) for a, b in zip(first.points, last.points, strict=True))
-    return max(points, *(abs(a - b) for a, b in zip(first.hand, last.hand, strict=True)))
-
-
-def _distance(a: Point, b: Point) -> float:
-    return sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
