@@ -297,7 +297,8 @@ class MelfaArm:
         """Wait until the move is over; on an alarm or a time-out stop the arm and raise."""
         clock = self._clock
         deadline_s = clock.now_s() + expected_s + self._settings.move_timeout_s
-        clock.sleep(expected_s)
+        if expected_s > 0:
+            clock.sleep(expected_s + self._settings.ramp_s)
         while True:
             state = self.panel.short_state()
             if state.error:

@@ -27,6 +27,7 @@ class ArmSettings:
         servo_poll_s: Pause between two looks at the servos.
         busy_timeout_s: How long a refusal for a move under way is met with a repeat.
         move_timeout_s: Longest wait for the end of a move, beyond its expected time.
+        ramp_s: What speeding up and slowing down may add to the time a caller expects.
         poll_s: Pause between two looks at a move.
         arrival_mm: How far from its target a move may end.
         arrival_deg: How far from its target a joint may end.
@@ -48,6 +49,7 @@ class ArmSettings:
     servo_poll_s: float = 0.1
     busy_timeout_s: float = 2.0
     move_timeout_s: float = 30.0
+    ramp_s: float = 0.1
     poll_s: float = 0.05
     arrival_mm: float = 0.5
     arrival_deg: float = 0.1

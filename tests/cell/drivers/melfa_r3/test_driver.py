@@ -140,13 +140,20 @@ def test_an_alarm_while_the_servos_come_on_is_told() -> None:
 def test_one_question_is_enough_when_the_expected_time_is_right() -> None:
     rig = opened_rig()
     rig.traffic.clear()
-    rig.arm.move(NEXT, interpolation="linear", posture=7, expected_s=0.17)
+    rig.arm.move(NEXT, interpolation="linear", posture=7, expected_s=0.08)
     assert rig.requests == [
         "EXECP1=(490.000,-65.000,98.000,180.000,0.000,180.000)(7,0)",
         "EXECMVS P1",
         "DSTATE",
         "PPOSF",
     ]
+
+
+def test_the_first_question_comes_when_the_ramps_are_over_too() -> None:
+    rig = opened_rig()
+    before_s = rig.clock.now_s()
+    rig.arm.move(NEXT, interpolation="linear", posture=7, expected_s=5.0)
+    assert rig.clock.now_s() - before_s == pytest.approx(5.0 + ARM_SETTINGS.ramp_s, abs=0.1)
 
 
 def test_without_an_expected_time_the_driver_asks_every_50_ms() -> None:
