@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -163,4 +164,4 @@ def _next_steps(session: str) -> str:
     )
     width = max(len(call) for call, _ in lines)
     listed = "\n".join(f"  {call:{width}}  {what}" for call, what in lines)
-    return f"{styled('next:', 'bold')}\n{listed}"
+    return f"{styled('next:', 'bold', sys.stderr)}\n{listed}"

@@ -44,10 +44,12 @@ def _known(error: Exception) -> Exit | None:
     """Return the exit code of an error that has a sentence of its own."""
     from cell.errors import CellError, ProfileError
     from dsl.errors import DslError
-    from sessions.errors import ScriptUnservable, SessionsError
+    from sessions.errors import CommandRefused, ScriptUnservable, SessionsError
 
     if isinstance(error, ConsoleError):
         return error.exit
+    if isinstance(error, CommandRefused) and error.answer.startswith("UNKNOWN_"):
+        return Exit.USAGE  # A goal, environment or action that the server does not have.
     codes: tuple[tuple[type[Exception], Exit], ...] = (
         (ProfileError, Exit.USAGE),
         (ScriptUnservable, Exit.FAILED),

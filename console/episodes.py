@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 from console.exits import ConsoleError
 from sessions.client import ActionReply, MasClient, View
 from sessions.errors import CommandRefused
+from sessions.wire.dialects import Teacher
 
 EpisodeEnd = Literal["finished", "failed", "given up"]
 
@@ -140,6 +141,8 @@ class Choices:
             ConsoleError: The policy needs a teacher, and the task has none.
             ClientError: The server refuses, or the connection breaks.
         """
+        if policy.needs_teacher and client.dialect.teacher is Teacher.NONE:
+            raise _no_teacher(client, environment)
         if seed is not None and "USE_GLOBAL_SEED" in client.dialect.verbs:
             client.use_seed(seed)
         offer = client.initialize_task(goal, environment)
@@ -147,16 +150,20 @@ class Choices:
         suggestion = client.end_setup()
         has_teacher = bool(suggestion) or _turn_teaching_on(client)
         if policy.needs_teacher and not has_teacher:
-            raise ConsoleError(
-                f"{environment} in dialect {client.dialect.version} has no teacher; "
-                "choose --policy random or script:..."
-            )
+            raise _no_teacher(client, environment)
         views = tuple(view.name for view in offer.views)
         return cls(offer.actions, views, suggestion)
 
     def start_over(self, client: MasClient) -> None:
         """Go back to the task's start."""
         self.suggestion = client.reset_task()
+
+
+def _no_teacher(client: MasClient, environment: str) -> ConsoleError:
+    return ConsoleError(
+        f"{environment} in dialect {client.dialect.version} has no teacher; "
+        "choose --policy random or script:..."
+    )
 
 
 def _turn_teaching_on(client: MasClient) -> bool:

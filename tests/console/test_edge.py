@@ -8,7 +8,7 @@ from cell.errors import DeviceError, MotionRefused, ProfileError, StillHeld
 from console.edge import guarded
 from console.exits import ConsoleError, Exit
 from dsl.errors import UnknownName
-from sessions.errors import ConnectionLost, ScriptUnservable
+from sessions.errors import CommandRefused, ConnectionLost, ScriptUnservable
 from sessions.recording import RecordingError
 
 ERRORS: list[tuple[Exception, Exit]] = [
@@ -23,6 +23,8 @@ ERRORS: list[tuple[Exception, Exit]] = [
         MotionRefused("J5", value=120, limit=100, nearest=100, unit="deg", why="is beyond"),
         Exit.ENVIRONMENT,
     ),
+    (CommandRefused("INITIALIZE_TASK X Y", "UNKNOWN_GOAL X"), Exit.USAGE),
+    (CommandRefused("END_TASK_SETUP", "ERROR 'The cell failed'"), Exit.ENVIRONMENT),
     (ConnectionLost("the server is gone"), Exit.ENVIRONMENT),
     (RecordingError("it cannot be written"), Exit.ENVIRONMENT),
     (PermissionError(13, "Permission denied"), Exit.ENVIRONMENT),
