@@ -84,7 +84,6 @@ class SchunkGripper:
         token: StopToken | None = None,
         on_warning: Callable[[str], None] = _log_warning,
     ) -> None:
-        self._link = link
         self._clock = clock
         self._settings = settings
         self._conversation = Conversation(
@@ -97,7 +96,7 @@ class SchunkGripper:
         )
         self._on_warning = on_warning
         self._identity = ""
-        self._is_closed = False
+        self._is_in_use = False
         self._lowest_mm = 0.0
         self._highest_mm = settings.stroke_mm
         self._max_current_a = 0.0
@@ -117,6 +116,7 @@ class SchunkGripper:
         """
         if self._identity:
             return self._identity
+        self._is_in_use = True
         if not self._settings.was_tried_on_hardware:
             self._on_warning(f"{self._settings.device}: {_UNPROVEN}")
         state = self._await_boot()
@@ -135,21 +135,22 @@ class SchunkGripper:
         return identity
 
     def close(self) -> None:
-        """Stop the fingers and let the link go; closing twice is harmless.
+        """Stop the fingers; they keep what they hold. Closing twice is harmless.
 
-        A module that does not answer any more (its power may be off already) is
-        left alone.
+        The link stays with whoever made it, so the gripper can be opened again. A
+        module that does not answer (its power may be off already) is left alone.
+
+        Raises:
+            DeviceError: The module refuses to stop.
         """
-        if self._is_closed:
+        if not self._is_in_use:
             return
-        self._is_closed = True
+        self._is_in_use = False
         self._identity = ""
         try:
             self.stop()
         except DeviceTimeout as error:
             self._on_warning(f"{error}; closed all the same")
-        finally:
-            self._link.close()
 
     def reference(self) -> None:
         """Let the module find its zero position; the fingers move.

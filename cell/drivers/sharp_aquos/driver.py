@@ -70,7 +70,6 @@ class SharpDisplay:
         self._heard: deque[ReplyRecord] = deque()
         self._on_warning = on_warning
         self._identity = ""
-        self._is_closed = False
 
     def open(self) -> str:
         """Check the link and return the identity; opening again is harmless.
@@ -87,11 +86,11 @@ class SharpDisplay:
         return self._identity
 
     def close(self) -> None:
-        """Let the link go and leave the set as it is; closing twice is harmless."""
+        """End the use of the set and leave it as it is; closing twice is harmless.
+
+        The link stays with whoever made it, so the display can be opened again.
+        """
         self._identity = ""
-        if not self._is_closed:
-            self._is_closed = True
-            self._link.close()
 
     def switch_on(self) -> None:
         """Switch the set on and return when it takes commands.

@@ -348,11 +348,45 @@ def test_referencing_may_end_with_either_impulse(is_blocked: bool) -> None:
     assert bench.gripper.read_state().is_referenced
 
 
-def test_closing_stops_lets_the_link_go_and_may_be_repeated() -> None:
+def test_closing_stops_the_fingers_and_may_be_repeated() -> None:
     bench = GripperBench().opened()
+    bench.wire.write(bytes.fromhex("05 0C 05 B0 00 00 0A 42 CB 21"))
     bench.gripper.close()
+    assert bench.body.halts
+    bench.wire.sent.clear()
+    bench.gripper.close()
+    assert bench.wire.sent == []
+
+
+def test_closing_what_was_never_opened_sends_nothing() -> None:
+    bench = GripperBench()
+    bench.gripper.close()
+    assert bench.wire.sent == []
+
+
+def test_closing_after_an_opening_that_failed_still_stops() -> None:
+    bench = GripperBench(is_referenced=False, module=SchunkModuleSettings(reference_settle_s=99.0))
+    with pytest.raises(DeviceTimeout):
+        bench.gripper.open()
+    bench.wire.sent.clear()
     bench.gripper.close()
     assert bench.commands()[0] == Command.STOP
+
+
+def test_a_closed_gripper_opens_again_even_after_a_power_cycle() -> None:
+    bench = GripperBench().opened()
+    bench.gripper.close()
+    bench.body.has_power = False
+    bench.wire.read(0.1)
+    bench.body.has_power = True
+    bench.gripper.open()
+    bench.gripper.move_to(60.0)
+    assert bench.body.opening_mm(bench.clock.now_s()) == 60.0
+
+
+def test_a_link_that_is_gone_is_an_error_of_the_link() -> None:
+    bench = GripperBench().opened()
+    bench.wire.close()
     with pytest.raises(LinkError, match="closed"):
         bench.gripper.read_state()
 

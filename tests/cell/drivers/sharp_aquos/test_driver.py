@@ -31,8 +31,9 @@ class Bench:
             self.panel, set_up or SharpTelevisionSettings(), is_on=is_on
         )
         self.warnings: list[str] = []
+        self.link = MemoryLink("display", self.television, self.clock)
         self.display = SharpDisplay(
-            MemoryLink("display", self.television, self.clock),
+            self.link,
             self.clock,
             settings or SharpSettings(),
             on_warning=self.warnings.append,
@@ -254,9 +255,16 @@ def test_numbers_are_padded_as_the_settings_say() -> None:
 
 def test_closing_leaves_the_set_as_it_is_and_may_be_repeated() -> None:
     bench = Bench()
+    bench.display.open()
     bench.display.close()
     bench.display.close()
     assert bench.television.is_on
+    assert bench.display.open() == "Sharp AQUOS, model not told"
+
+
+def test_a_link_that_is_gone_is_an_error_of_the_link() -> None:
+    bench = Bench()
+    bench.link.close()
     with pytest.raises(LinkError, match="closed"):
         bench.display.is_on()
 
