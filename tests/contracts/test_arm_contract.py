@@ -201,7 +201,7 @@ def test_a_pose_that_is_no_number_is_refused_before_anything_is_sent(play: Play)
     play(scenario)
 
 
-def test_an_emergency_stop_keeps_the_arm_from_moving_until_it_is_released_and_reset(
+def test_an_emergency_stop_holds_the_arm_until_it_is_released_reset_and_opened_again(
     play: Play,
 ) -> None:
     def scenario(bench: Bench) -> None:
@@ -218,6 +218,11 @@ def test_an_emergency_stop_keeps_the_arm_from_moving_until_it_is_released_and_re
             bench.arm.reset_alarm()
         bench.release_emergency_stop()
         bench.arm.reset_alarm()
+        assert bench.arm.read_state().alarm == 0
+        assert not bench.arm.read_state().is_servo_on
+        with pytest.raises(DeviceError, match="open the arm again"):
+            bench.arm.move(Pose(490.0, -65.0, 98.0), interpolation="linear", posture=7)
+        bench.arm.open()
         bench.arm.move(Pose(490.0, -65.0, 98.0), interpolation="linear", posture=7)
         assert bench.arm.read_pose().x_mm == 490.0
 

@@ -7,6 +7,7 @@ each command mean is `records`' business.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from cell.drivers.melfa_r3.tables import COMMANDS, LONGEST_COMMAND, SHORTEST_COMMAND
@@ -18,6 +19,8 @@ MAX_REPLY_BYTES = 4096
 """Longest reply a driver accepts; the longest one known has some 200 bytes."""
 END = b"\r"
 
+_REMEMBERED = 64
+"""A driver repeats few requests over and over; these many are read only once."""
 _NUMBERS = {str(number): number for number in range(100)} | {"": 1}
 _STRAY = b"\x00\r\n"
 _STATUS = {
@@ -107,6 +110,7 @@ def encode_text(text: str) -> bytes:
     return text.encode("ascii") + END
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def decode_request(line: bytes) -> Request:
     """Read a request from a line without its end.
 

@@ -216,16 +216,14 @@ class MelfaArm:
             raise self._dialogue.refusal("STOP", reply)
 
     def reset_alarm(self) -> None:
-        """Clear an active alarm whose cause is gone and switch the servos on again.
+        """Clear an active alarm whose cause is gone.
 
-        The servos are only switched on where this driver holds the right.
+        Servos that the alarm has switched off stay off until the arm is opened again.
 
         Raises:
             DeviceError: The alarm stays; the text names its cause.
         """
         self._clear_alarm()
-        if self._is_open:
-            self._switch_servos_on()
 
     def set_output(self, bit: int, *, is_on: bool) -> None:
         """Switch one output of the controller."""

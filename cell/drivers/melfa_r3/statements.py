@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 from typing import Literal, NamedTuple, TypeAlias
 
 from cell.drivers.melfa_r3.codec import GarbledMessage, UnsendableRequest
@@ -177,6 +178,7 @@ def print_statement(statement: Statement) -> str:
     raise UnsendableRequest(f"{statement!r} is no statement")
 
 
+@lru_cache(maxsize=64)
 def parse_statement(text: str) -> Statement:
     """Read a direct statement.
 
