@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import TypeVar
 
 from cell.clock import Clock
 from cell.devices.gripper import GripperState, GripResult
@@ -18,35 +17,27 @@ from cell.drivers.schunk_smp.commands import (
     Acknowledge,
     CommandRecord,
     EmergencyStop,
-    GetConfig,
-    GetState,
     MoveGrip,
     MovePosition,
     Reference,
     SetTarget,
     Stop,
-    ToggleImpulses,
 )
 from cell.drivers.schunk_smp.conversation import Conversation
 from cell.drivers.schunk_smp.replies import (
     Answer,
     ErrorReport,
-    Identity,
-    ImpulsesSwitched,
     MoveAccepted,
     MoveBlocked,
     PositionReached,
-    RegisterValue,
     StateReply,
 )
+from cell.drivers.schunk_smp.requests import ModuleRequests
 from cell.drivers.schunk_smp.settings import SchunkSettings
 from cell.drivers.schunk_smp.tables import (
-    UNIT_MILLIMETRE,
-    UNIT_SYSTEMS,
     Code,
     Command,
     Register,
-    StateMode,
     Status,
     problem_of,
 )
@@ -56,8 +47,6 @@ from cell.stop import StopToken
 
 _LOGGER = logging.getLogger(__name__)
 _UNPROVEN = "this driver was never tried on hardware; watch its first motions"
-_ASK_STATE = GetState(0.0, StateMode.ALL)
-_AnswerT = TypeVar("_AnswerT", bound=Answer)
 
 
 def _log_warning(text: str) -> None:
@@ -94,6 +83,7 @@ class SchunkGripper:
             attempts=settings.attempts,
             token=token,
         )
+        self._module = ModuleRequests(self._conversation, settings)
         self._on_warning = on_warning
         self._identity = ""
         self._is_in_use = False
@@ -119,17 +109,18 @@ class SchunkGripper:
         self._is_in_use = True
         if not self._settings.was_tried_on_hardware:
             self._on_warning(f"{self._settings.device}: {_UNPROVEN}")
-        state = self._await_boot()
+        module = self._module
+        state = module.await_boot(self._clock)
         if state.error or state.status & Status.ERROR:
             self.acknowledge()
-        identity = self._read_identity()
-        self._require_millimetres()
+        identity = module.identity()
+        module.require_millimetres()
         self._read_limits()
-        self._switch_impulses_on()
+        module.switch_impulses_on()
         settings = self._settings
-        self._ask(SetTarget(Command.SET_TARGET_VELOCITY, settings.speed_mm_s))
-        self._ask(SetTarget(Command.SET_TARGET_ACCELERATION, settings.acceleration_mm_s2))
-        if not self._read().status & Status.REFERENCED:
+        self._module.ask(SetTarget(Command.SET_TARGET_VELOCITY, settings.speed_mm_s))
+        self._module.ask(SetTarget(Command.SET_TARGET_ACCELERATION, settings.acceleration_mm_s2))
+        if not self._module.state().status & Status.REFERENCED:
             self.reference()
         self._identity = identity
         return identity
@@ -162,7 +153,9 @@ class SchunkGripper:
         self._start(Reference())
         state = self._await_end("referencing", self._settings.reference_timeout_s)
         if not state.status & Status.REFERENCED:
-            raise self._error("referencing ended without a zero position", Code.NOT_REFERENCED)
+            raise self._module.error(
+                "referencing ended without a zero position", Code.NOT_REFERENCED
+            )
 
     def move_to(self, opening_mm: float) -> None:
         """Move the fingers to an opening and return when they stand there.
@@ -208,19 +201,19 @@ class SchunkGripper:
             if error.code != Code.SOFT_LIMIT_LOW:
                 raise
             self.acknowledge()
-            state = self._read()
+            state = self._module.state()
         width_mm = _position(state)
         is_empty = width_mm < self._lowest_mm + settings.empty_below_mm
         return GripResult(is_holding=not is_empty, width_mm=width_mm)
 
     def stop(self) -> None:
         """Stop the fingers now and return when they stand."""
-        self._ask(Stop())
+        self._module.ask(Stop())
         self._await_standstill(self._settings.reply_timeout_s + self._longest_s())
 
     def emergency_stop(self) -> None:
         """Stop at once; the module stays in its error state until `acknowledge`."""
-        self._ask(EmergencyStop())
+        self._module.ask(EmergencyStop())
 
     def wait_for_position(self, opening_mm: float, timeout_s: float) -> None:
         """Return when the fingers stand at an opening.
@@ -231,7 +224,7 @@ class SchunkGripper:
         """
         tolerance_mm = self._settings.tolerance_mm
         deadline_s = self._clock.now_s() + timeout_s
-        state = self._read_sound()
+        state = self._module.sound_state()
         while state.status & Status.MOVING or abs(_position(state) - opening_mm) > tolerance_mm:
             if self._clock.now_s() >= deadline_s:
                 raise DeviceTimeout(
@@ -241,7 +234,7 @@ class SchunkGripper:
                     hint="look for something that blocks the fingers",
                 )
             self._pause()
-            state = self._read_sound()
+            state = self._module.sound_state()
 
     def wait_for_stop(self, timeout_s: float) -> GripperState:
         """Return the state as soon as the fingers stand still.
@@ -253,7 +246,7 @@ class SchunkGripper:
 
     def read_state(self) -> GripperState:
         """Return position, speed, current, flags and error."""
-        return self._gripper_state(self._read())
+        return self._gripper_state(self._module.state())
 
     def acknowledge(self) -> None:
         """Acknowledge latched errors.
@@ -261,62 +254,22 @@ class SchunkGripper:
         Raises:
             DeviceError: An error stays because its cause is still there.
         """
-        self._ask(Acknowledge())
-        state = self._read()
+        self._module.ask(Acknowledge())
+        state = self._module.state()
         if state.error or state.status & Status.ERROR:
-            raise self._error(problem_of(state.error).text, state.error)
+            raise self._module.error(problem_of(state.error).text, state.error)
         self._conversation.forget_impulses()
 
-    def _await_boot(self) -> StateReply:
-        """Return the first state; a module that was just switched on may need a while."""
-        deadline_s = self._clock.now_s() + self._settings.boot_timeout_s
-        attempts = 1 + int(self._settings.boot_timeout_s / self._settings.reply_timeout_s)
-        for _ in range(attempts - 1):
-            try:
-                return self._ask_for(_ASK_STATE, StateReply, attempts=1)
-            except DeviceTimeout:
-                if self._clock.now_s() >= deadline_s:
-                    break
-        return self._ask_for(_ASK_STATE, StateReply, attempts=1)
-
-    def _read_identity(self) -> str:
-        who = self._ask_for(GetConfig(), Identity)
-        return (
-            f"SCHUNK {who.kind} id {self._settings.module_id}, order {who.order}, "
-            f"firmware {who.firmware / 100:.2f}, protocol {who.protocol}"
-        )
-
-    def _require_millimetres(self) -> None:
-        unit = int(self._read_register(Register.UNIT_SYSTEM))
-        if unit != UNIT_MILLIMETRE:
-            raise DeviceError(
-                self._settings.device,
-                f"its unit system is {UNIT_SYSTEMS.get(unit, str(unit))}, not millimetre",
-                hint=f"write {UNIT_MILLIMETRE} to register {Register.UNIT_SYSTEM:#04x} "
-                "with the maker's software",
-            )
-
     def _read_limits(self) -> None:
-        self._lowest_mm = self._read_register(Register.SOFT_LIMIT_LOW)
-        self._highest_mm = min(
-            self._settings.stroke_mm, self._read_register(Register.SOFT_LIMIT_HIGH)
-        )
-        self._max_current_a = self._read_register(Register.MAX_CURRENT)
-
-    def _read_register(self, register: Register) -> float:
-        return self._ask_for(GetConfig(register), RegisterValue).value
-
-    def _switch_impulses_on(self) -> None:
-        """Toggle until the module says ON: the command cannot set, only turn over."""
-        for _ in range(2):
-            if self._ask_for(ToggleImpulses(), ImpulsesSwitched).are_on:
-                return
-        raise self._error("its spontaneous messages cannot be switched on", None)
+        module = self._module
+        self._lowest_mm = module.register(Register.SOFT_LIMIT_LOW)
+        self._highest_mm = min(self._settings.stroke_mm, module.register(Register.SOFT_LIMIT_HIGH))
+        self._max_current_a = module.register(Register.MAX_CURRENT)
 
     def _start(self, command: CommandRecord) -> Answer:
         """Send the start of a motion; what was said before belongs to earlier ones."""
         self._conversation.forget_impulses()
-        return self._ask(command)
+        return self._module.ask(command)
 
     def _await_end(
         self,
@@ -341,11 +294,11 @@ class SchunkGripper:
             while True:
                 impulse = self._conversation.next_impulse(min(wait_s, timeout_s))
                 if isinstance(impulse, ErrorReport):
-                    raise self._error(
+                    raise self._module.error(
                         f"{what} failed: {problem_of(impulse.code).text}", impulse.code
                     )
                 if impulse is None or isinstance(impulse, MoveBlocked | PositionReached):
-                    state = self._read_sound(what)
+                    state = self._module.sound_state(what)
                     if not state.status & Status.MOVING:
                         return state
                     wait_s = self._settings.margin_s
@@ -363,7 +316,7 @@ class SchunkGripper:
 
     def _await_standstill(self, timeout_s: float) -> StateReply:
         deadline_s = self._clock.now_s() + timeout_s
-        state = self._read()
+        state = self._module.state()
         while state.status & Status.MOVING:
             if self._clock.now_s() >= deadline_s:
                 raise DeviceTimeout(
@@ -372,34 +325,12 @@ class SchunkGripper:
                     hint="switch the gripper's power off",
                 )
             self._pause()
-            state = self._read()
+            state = self._module.state()
         return state
 
     def _pause(self) -> None:
         """Let some time pass, but no longer than until the module says something."""
         self._conversation.next_impulse(self._settings.poll_s)
-
-    def _read(self) -> StateReply:
-        return self._ask_for(_ASK_STATE, StateReply)
-
-    def _read_sound(self, what: str = "moving") -> StateReply:
-        state = self._read()
-        if state.error or state.status & Status.ERROR:
-            raise self._error(f"{what} failed: {problem_of(state.error).text}", state.error)
-        return state
-
-    def _ask(self, command: CommandRecord, *, attempts: int | None = None) -> Answer:
-        return self._conversation.ask(
-            command, timeout_s=self._settings.reply_timeout_s, attempts=attempts
-        )
-
-    def _ask_for(
-        self, command: CommandRecord, kind: type[_AnswerT], *, attempts: int | None = None
-    ) -> _AnswerT:
-        answer = self._ask(command, attempts=attempts)
-        if not isinstance(answer, kind):
-            raise self._error(f"answered {type(answer).__name__} to {type(command).__name__}", None)
-        return answer
 
     def _require_reachable(self, opening_mm: float) -> None:
         nearest_mm = min(max(opening_mm, self._lowest_mm), self._highest_mm)
@@ -433,10 +364,6 @@ class SchunkGripper:
         settings = self._settings
         ramp_s = settings.speed_mm_s / settings.acceleration_mm_s2
         return settings.stroke_mm / settings.speed_mm_s + ramp_s
-
-    def _error(self, problem: str, code: int | None) -> DeviceError:
-        advice = "" if code is None else problem_of(code).advice
-        return DeviceError(self._settings.device, problem, code=code, hint=advice)
 
     def _gripper_state(self, state: StateReply) -> GripperState:
         return GripperState(
