@@ -1,9 +1,19 @@
 import pytest
 
+from cell.clock import SimulatedClock
 from cell.drivers.schunk_smp.command_codec import encode_command
-from cell.drivers.schunk_smp.commands import ChangeUser, SetConfig, ToggleImpulses
+from cell.drivers.schunk_smp.commands import (
+    ChangeUser,
+    CommandRecord,
+    GetConfig,
+    SetConfig,
+    ToggleImpulses,
+)
+from cell.drivers.schunk_smp.conversation import Conversation
+from cell.drivers.schunk_smp.framing import Frame, encode_frame
 from cell.drivers.schunk_smp.replies import (
     ErrorReport,
+    ImpulsesSwitched,
     Info,
     MoveBlocked,
     PositionReached,
@@ -11,10 +21,13 @@ from cell.drivers.schunk_smp.replies import (
     Reply,
 )
 from cell.drivers.schunk_smp.reply_codec import encode_reply
+from cell.drivers.schunk_smp.requests import ModuleRequests
 from cell.drivers.schunk_smp.scan import FoundModule, find_modules
 from cell.drivers.schunk_smp.settings import SchunkSettings
 from cell.drivers.schunk_smp.tables import Code, Command, Register
 from cell.errors import DeviceError, DeviceTimeout, LinkError, Stopped
+from cell.links.base import Direction
+from cell.links.scripted import ScriptedLink
 from cell.profile import load_profile
 from cell.twin.emulators.schunk_smp import SchunkModuleSettings
 from tests.cell.drivers.schunk_smp.bench import GripperBench
@@ -412,3 +425,25 @@ def test_the_settings_come_from_the_profile() -> None:
     assert settings.stroke_mm == profile.stroke_mm
     module = SchunkModuleSettings.from_profile(profile)
     assert module.byte_s == pytest.approx(12 / 38400)
+
+
+def ask(command: CommandRecord) -> tuple[Direction, bytes]:
+    return ("to_device", encode_command(12, command))
+
+
+def test_an_answer_of_another_kind_is_told() -> None:
+    odd = encode_frame(Frame(0x07, 12, Command.GET_CONFIG, b"\x01\x0c"))
+    link = ScriptedLink("gripper", [ask(GetConfig(None)), ("from_device", odd)])
+    clock = SimulatedClock()
+    conversation = Conversation(link, clock, device="gripper", module=12)
+    with pytest.raises(DeviceError, match="answered RegisterValue to GetConfig"):
+        ModuleRequests(conversation, SchunkSettings()).identity()
+    assert link.is_exhausted
+
+
+def test_impulses_that_stay_off_are_told() -> None:
+    off: tuple[Direction, bytes] = ("from_device", said(ImpulsesSwitched(False)))
+    link = ScriptedLink("gripper", [ask(ToggleImpulses()), off, ask(ToggleImpulses()), off])
+    conversation = Conversation(link, SimulatedClock(), device="gripper", module=12)
+    with pytest.raises(DeviceError, match="cannot be switched on"):
+        ModuleRequests(conversation, SchunkSettings()).switch_impulses_on()
