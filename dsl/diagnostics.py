@@ -40,11 +40,15 @@ class Report:
 
     def add(self, code: str, span: Span, message: str, hint: str = "") -> None:
         """Note a finding; the same finding at the same place is kept once."""
-        if len(self._found) >= MAX_PROBLEMS:
-            self._overflow = self._overflow or span
+        if self.is_full:
+            self.leave_rest(span)
             return
         diagnostic = Diagnostic(code, CODES[code].severity, span, message, hint)
         self._found.setdefault((code, span.start, message), diagnostic)
+
+    def leave_rest(self, span: Span) -> None:
+        """Note that what follows from here on is left out."""
+        self._overflow = self._overflow or span
 
     @property
     def is_full(self) -> bool:

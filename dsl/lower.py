@@ -10,7 +10,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, cast
 
 from dsl import nodes as n
-from dsl.parser import Parsed, token_span
+from dsl.parser import Parsed
+from dsl.syntax_errors import token_span
 from dsl.words import LATER_WORDS
 
 if TYPE_CHECKING:

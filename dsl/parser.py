@@ -13,39 +13,35 @@ Nothing beyond `dsl.lower` sees lark's trees.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from dsl.spans import NOWHERE, Span
-from dsl.words import (
-    DECLARATIONS,
-    LATER_WORDS,
-    STATEMENT_WORDS,
-    STATEMENTS,
-    WORDS,
-    describe_terminal,
-    describe_token,
-    did_you_mean,
-    enumerate_words,
-    printable,
+from dsl.spans import NOWHERE
+from dsl.syntax_errors import (
+    DECLARATION_TERMINALS,
+    STATEMENT_TERMINALS,
+    Refusal,
+    explain,
+    token_span,
 )
+from dsl.words import printable
 
 if TYPE_CHECKING:
     from lark import Lark, Token, Tree
 
     from dsl.diagnostics import Report
 
+    Child = Token | Tree[Token]
+
 MAX_CHARACTERS = 500_000
 """Largest script that is read."""
 
-_DECLARATION_TERMINALS = frozenset(word.upper() for word in DECLARATIONS)
-_STATEMENT_TERMINALS = frozenset(word.upper() for word in STATEMENT_WORDS)
-_SYNC_TERMINALS = _DECLARATION_TERMINALS | _STATEMENT_TERMINALS | {"RBRACE"}
+_SYNC_TERMINALS = DECLARATION_TERMINALS | STATEMENT_TERMINALS | {"RBRACE"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,25 +69,20 @@ def parse(text: str, report: Report) -> Parsed:
         message = f"the file has {len(text)} characters, more than {MAX_CHARACTERS}"
         report.add("E107", NOWHERE, message, "split it into several scripts")
         return Parsed(None, frozenset())
-    tokens = _drop_bad_tokens(grammar().lex(text), report)
+    tokens = _drop_bad_tokens(_tokens(text), report)
     mentioned = frozenset(
         (str(word), str(name))
         for word, name in pairwise(tokens)
-        if word.type in _DECLARATION_TERMINALS and name.type == "NAME"
+        if word.type in DECLARATION_TERMINALS and name.type == "NAME"
     )
     return Parsed(_Parsing(tokens, report).run(), mentioned)
 
 
-def token_span(token: Token) -> Span:
-    """Return where a token stands."""
-    return Span(
-        token.start_pos or 0,
-        token.end_pos or 0,
-        token.line or 1,
-        token.column or 1,
-        token.end_line or 1,
-        token.end_column or 1,
-    )
+def _tokens(text: str) -> Iterator[Token]:
+    """Return the tokens of a text, by way of the lexer that the parser has already."""
+    parser = grammar().parse_interactive(text)
+    tokens = parser.lexer_thread.lex(parser.parser_state)  # type: ignore[no-untyped-call]
+    return cast("Iterator[Token]", tokens)
 
 
 class _KeepEveryTerminal:
@@ -129,49 +120,43 @@ def grammar(*, is_strict: bool = False) -> Lark:
 
 
 def _drop_bad_tokens(tokens: Iterator[Token], report: Report) -> list[Token]:
-    """Report what is no token of the language; close unclosed texts."""
+    """Report what is no token of the language; make the best of it."""
     kept: list[Token] = []
+    is_glued = False
     for token in tokens:
         if token.type == "BAD_TEXT":
             span = token_span(token)
             report.add("E103", span, "the text is not closed", 'put a `"` at its end')
-            kept.append(token.update(type="TEXT", value=f'{token.rstrip(chr(92))}"'))
+            token = token.update(type="TEXT", value=f'{token.rstrip(chr(92))}"')
         elif token.type == "BAD_CHARACTERS":
             shown = printable(token[:20])
-            hint = "names have ASCII letters, digits and `_`" if token[0].isalpha() else ""
+            is_letter = any(character.isalpha() for character in token)
+            hint = "names have ASCII letters, digits and `_`" if is_letter else ""
             report.add("E102", token_span(token), f"`{shown}` is not used here", hint)
-        else:
-            kept.append(token)
+            if not is_letter:
+                continue
+            token = token.update(type="NAME")
+            is_glued = True
+        if token.type == "NAME" and is_glued and _touches(kept, token):
+            kept[-1] = _glued(kept[-1], token)
+            continue
+        is_glued = token.type == "NAME" and is_glued
+        kept.append(token)
     return kept
 
 
-@dataclass(slots=True)
-class _Place:
-    """Where the parser was when it refused a token."""
+def _touches(kept: list[Token], token: Token) -> bool:
+    """Whether a name goes on where the one before it ended, at a letter that is not ASCII."""
+    return bool(kept) and kept[-1].type == "NAME" and kept[-1].end_pos == token.start_pos
 
-    index: int
-    token: Token
-    previous: Token | None
-    accepted: set[str]
-    block: Token | None
 
-    @property
-    def starts_line(self) -> bool:
-        return self.previous is None or (self.token.line or 0) > (self.previous.end_line or 0)
-
-    @property
-    def is_statement_place(self) -> bool:
-        """Whether a statement or declaration could begin here."""
-        begins = self.starts_line or (
-            self.previous is not None and self.previous.type in ("LBRACE", "RBRACE")
-        )
-        wanted = _DECLARATION_TERMINALS | _STATEMENT_TERMINALS
-        return begins and len(self.accepted & wanted) > 0 and "NAME" not in self.accepted
-
-    @property
-    def sort(self) -> str | None:
-        """The declaration it is in, such as `goal`."""
-        return None if self.block is None else str(self.block)
+def _glued(first: Token, second: Token) -> Token:
+    """Return two halves of a name as one."""
+    whole = first.update(value=f"{first}{second}")
+    whole.end_pos, whole.end_line, whole.end_column = (
+        second.end_pos, second.end_line, second.end_column,
+    )  # fmt: skip
+    return whole
 
 
 class _Parsing:
@@ -183,6 +168,7 @@ class _Parsing:
         self._tokens = tokens
         self._report = report
         self._parser = grammar().parse_interactive("")
+        self._has_run_out = False
         self._end = Token("$END", "", 0, 1, 1, 1, 1, 0)
         if tokens:
             self._end = Token.new_borrow_pos("$END", "", tokens[-1])
@@ -198,8 +184,9 @@ class _Parsing:
                 feed(tokens[index])
             except UnexpectedToken:
                 place = self._place(index)
-                _explain(place, self._report)
+                explain(place, self._report)
                 if self._report.is_full:
+                    self._report.leave_rest(token_span(place.token))
                     return None
                 index = self._recover(place)
             else:
@@ -212,7 +199,8 @@ class _Parsing:
 
         if not self._accepts(self._depth, "$END"):
             place = self._place(len(self._tokens))
-            _explain(place, self._report)
+            if not self._has_run_out:
+                explain(place, self._report)
             if not self._close_block():
                 self._rewind_to("$END")
         try:
@@ -223,7 +211,7 @@ class _Parsing:
 
     # ------------------------------------------------------------ recovery
 
-    def _recover(self, place: _Place) -> int:
+    def _recover(self, place: Refusal) -> int:
         """Bring parser and tokens to a point where they fit; return the next index."""
         tokens = self._tokens
         refused: set[str] = set()
@@ -233,12 +221,12 @@ class _Parsing:
                 continue
             if token.type in refused:
                 continue
-            if token.type in _DECLARATION_TERMINALS and self._close_block():
+            if token.type in DECLARATION_TERMINALS and self._close_block():
                 return index
             if self._rewind_to(token.type):
                 return index
             refused.add(token.type)
-        self._rewind_to("RBRACE")
+        self._has_run_out = True
         return len(tokens)
 
     def _may_begin(self, index: int, refused: int) -> bool:
@@ -248,7 +236,7 @@ class _Parsing:
             return True
         before = self._tokens[index - 1] if index else None
         begins_line = before is None or (token.line or 0) > (before.end_line or 0)
-        if token.type in _DECLARATION_TERMINALS:
+        if token.type in DECLARATION_TERMINALS:
             return self._looks_like_declaration(index)
         return begins_line or (index > refused and before is not None and before.type == "LBRACE")
 
@@ -273,7 +261,11 @@ class _Parsing:
 
     def _rewind_to(self, terminal: str) -> bool:
         """Take off the stack what keeps the parser from accepting a terminal, if that helps."""
-        for depth in range(self._depth, 0, -1):
+        stack = self._parser.parser_state.value_stack
+        closed = [i for i, value in enumerate(stack) if _is_token(value, "RBRACE")]
+        # A block that is closed stays closed: only what came after it may go.
+        floor = closed[-1] + 1 if closed else 0
+        for depth in range(self._depth, floor, -1):
             if self._accepts(depth, terminal):
                 state = self._parser.parser_state
                 del state.state_stack[depth:]
@@ -298,11 +290,11 @@ class _Parsing:
 
     # ------------------------------------------------------------ where we are
 
-    def _place(self, index: int) -> _Place:
+    def _place(self, index: int) -> Refusal:
         tokens = self._tokens
         token = tokens[index] if index < len(tokens) else self._end
         previous = tokens[index - 1] if index else None
-        return _Place(index, token, previous, self._accepted(), self._open_block(index))
+        return Refusal(index, token, previous, self._accepted(), self._open_block(index))
 
     def _accepted(self) -> set[str]:
         """Return the terminals that may come next."""
@@ -316,100 +308,10 @@ class _Parsing:
             token = self._tokens[position]
             if token.type == "RBRACE":
                 return None
-            if token.type in _DECLARATION_TERMINALS and self._looks_like_declaration(position):
+            if token.type in DECLARATION_TERMINALS and self._looks_like_declaration(position):
                 return token
         return None
 
 
-def _explain(place: _Place, report: Report) -> None:
-    """Report why a token does not fit, by the first explanation that applies."""
-    explanations: tuple[Callable[[_Place, Report], bool], ...] = (
-        _missing_brace,
-        _reserved_word,
-        _misplaced_statement,
-        _unknown_statement,
-    )
-    for explanation in explanations:
-        if explanation(place, report):
-            return
-    _unexpected(place, report)
-
-
-def _missing_brace(place: _Place, report: Report) -> bool:
-    ends = place.token.type == "$END"
-    begins = place.token.type in _DECLARATION_TERMINALS and place.token.column == 1
-    if not (ends or begins) or "RBRACE" not in place.accepted or place.block is None:
-        return False
-    what = "the file ends" if ends else f"`{place.token}` begins"
-    message = f"{what} before the {place.block} of line {place.block.line} is closed"
-    previous = place.previous or place.token
-    report.add("E106", token_span(previous).after(), message, "put a `}` here")
-    return True
-
-
-def _reserved_word(place: _Place, report: Report) -> bool:
-    word = str(place.token)
-    span = token_span(place.token)
-    if word in LATER_WORDS and place.is_statement_place:
-        message = f"`{word}` is kept for a later version of the language"
-        report.add("E105", span, message, "leave this part out")
-        return True
-    is_word = place.token.type not in ("NAME", "TEXT") and word in WORDS
-    if (
-        not is_word
-        or "NAME" not in place.accepted
-        or (place.starts_line and word in STATEMENT_WORDS)
-    ):
-        return False  # fmt: skip
-    message = f"`{word}` is a word of the language and cannot be a name"
-    report.add("E105", span, message, f"use another name, such as `{word.upper()}`")
-    return True
-
-
-def _misplaced_statement(place: _Place, report: Report) -> bool:
-    word = str(place.token)
-    if word not in STATEMENT_WORDS or place.token.type == "TEXT" or not place.is_statement_place:
-        return False
-    if place.sort is not None and word in STATEMENTS[place.sort]:
-        return False
-    where = [f"{sort} {{ }}" for sort, words in STATEMENTS.items() if word in words]
-    here = "outside of a declaration" if place.sort is None else f"in {_article(place.sort)}"
-    hint = f"it belongs in {enumerate_words(where)}"
-    report.add("E108", token_span(place.token), f"`{word}` cannot stand {here}", hint)
-    return True
-
-
-def _unknown_statement(place: _Place, report: Report) -> bool:
-    word = str(place.token)
-    is_slip = place.token.type == "NAME" or (
-        place.token.type in _DECLARATION_TERMINALS and place.sort is not None
-    )
-    if not is_slip or not place.is_statement_place:
-        return False
-    known = DECLARATIONS if place.sort is None else STATEMENTS[place.sort]
-    what = "declaration" if place.sort is None else f"statement of {_article(place.sort)}"
-    hint = did_you_mean(word, known)
-    report.add("E104", token_span(place.token), f"`{printable(word[:40])}` begins no {what}", hint)
-    return True
-
-
-def _unexpected(place: _Place, report: Report) -> None:
-    found = describe_token(place.token.type, str(place.token))
-    starters = _DECLARATION_TERMINALS | _STATEMENT_TERMINALS
-    expected = sorted(describe_terminal(t) for t in place.accepted - starters)
-    begins = place.accepted & starters
-    if len(begins) > 3:
-        expected.append("a declaration" if "STORE" in begins else "a statement")
-    else:
-        expected += sorted(describe_terminal(t) for t in begins)
-    wanted = enumerate_words(expected) or "nothing more"
-    if place.previous is not None and (place.starts_line or place.token.type == "$END"):
-        after = describe_token("", str(place.previous))
-        message = f"expected {wanted} after {after}, found {found}"
-        report.add("E101", token_span(place.previous).after(), message)
-    else:
-        report.add("E101", token_span(place.token), f"expected {wanted}, found {found}")
-
-
-def _article(sort: str) -> str:
-    return f"an {sort}" if sort[0] in "ae" else f"a {sort}"
+def _is_token(value: Child, terminal: str) -> bool:
+    return isinstance(value, str) and value.type == terminal

@@ -165,7 +165,8 @@ class _Layouts:
         shortage = Demand(wanted, stock, withheld).shortage()
         if shortage is None:
             return True
-        place = [p for p in self._places if p.selector in shortage.wanted][-1]
+        wanting = [p for p in self._places if p.selector in shortage.wanted]
+        place = max(reversed(wanting), key=lambda p: p.high)
         hint = "ask for fewer or add slots"
         if withheld and not place.selector.is_definite:
             left_out = enumerate_words(sorted(" ".join(sort) for sort in withheld), "and")
