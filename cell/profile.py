@@ -158,6 +158,8 @@ class BlockProfile(_Table):
     length_mm: Positive
     width_mm: Positive
     height_mm: Positive
+    arch_radius_mm: Annotated[float, Field(ge=0)] = 0.0
+    """Radius of a round opening along the width, at the middle of the bottom; 0 for none."""
 
 
 class BoxProfile(_Table):

@@ -1,0 +1,206 @@
+"""The flat part of a picture: the ground as a camera sees it, lens included.
+
+A fixed camera's backdrop is worked out exactly once for each picture on the screen
+and kept. The camera on the flange sees another one at every pose: its backdrop is
+taken from one drawing of the whole ground through a map that is exact on a coarse
+grid of rays and interpolated between.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.geometry import Transform
+from cell.twin.cameras.ground import Ground, floor_light, is_on_table
+from cell.twin.cameras.light import UNLIT_SHARE, screen_light
+from cell.twin.cameras.optics import Lens, brightness_map, coarse_rays, pixel_rays, spread
+from cell.twin.cameras.sensor import Exposure
+
+HEADROOM = 2.0
+"""How far beyond white the moving backdrop keeps light, so that vignetting and glare
+act before it clips."""
+
+_FLOOR_DROP_MM = 840.0
+_FARTHEST_MM = 6000.0
+_WALL = np.array([96.0, 99.0, 104.0], np.float32)
+_TEXTURE_PX_MM = 0.8
+_TEXTURE_MARGIN_MM = 150.0
+
+Light = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A camera that stands still.
+
+    Attributes:
+        ground: What it looks at.
+        lens: Its lens in the mode in use.
+        pose: Position in mm and A, B, C in degrees of robot-from-camera.
+    """
+
+    ground: Ground
+    lens: Lens
+    pose: tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """What a fixed camera sees of the ground.
+
+    Attributes:
+        lamplight: Light under the lamps, (h, w, 3).
+        panel_u: Panel column seen by each pixel.
+        panel_v: Panel row seen by each pixel.
+        cover: How much of each pixel the panel covers.
+    """
+
+    lamplight: Light
+    panel_u: Light
+    panel_v: Light
+    cover: Light
+
+
+def fixed_backdrop(
+    view: View, robot_from_camera: Transform, picture: str | None, *, are_lights_on: bool
+) -> Light:
+    """Return the light (h, w, 3) that a fixed camera receives from the ground, unclipped."""
+    seen = _seen(view, robot_from_camera)
+    light = seen.lamplight * np.float32(1.0 if are_lights_on else UNLIT_SHARE)
+    panel = screen_light(picture)
+    if panel is not None:
+        shown = cv2.remap(
+            panel, seen.panel_u, seen.panel_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        light += np.asarray(shown) * seen.cover[..., None]
+    light *= brightness_map(view.lens)[..., None]
+    return light
+
+
+@lru_cache(maxsize=6)
+def _seen_of(view: View, matrix: bytes) -> _Seen:
+    robot_from_camera = Transform(np.frombuffer(matrix).reshape(4, 4))
+    ground, lens = view.ground, view.lens
+    rays = pixel_rays(lens) @ robot_from_camera.rotation.T.astype(np.float32)
+    eye = robot_from_camera.translation_mm
+    x_mm, y_mm, share = _hit(rays, eye, ground.surface_mm)
+    px_mm = np.maximum(share / lens.focal_px, 1e-3)
+    light = ground.lamplight(x_mm, y_mm, px_mm)
+    beyond = ~is_on_table(x_mm, y_mm)
+    if beyond.any():
+        floor_x, floor_y, far = _hit(rays, eye, ground.surface_mm - _FLOOR_DROP_MM)
+        haze = np.clip(far / _FARTHEST_MM, 0.0, 1.0)[..., None]
+        room = floor_light(floor_x, floor_y) * (1.0 - haze) + _WALL * haze
+        light[beyond] = room[beyond]
+    along, below = ground.panel_mm(x_mm, y_mm)
+    pixel_mm = np.float32(ground.display.pixel_mm)
+    return _Seen(
+        lamplight=light,
+        panel_u=np.asarray(along / pixel_mm - 0.5, np.float32),
+        panel_v=np.asarray(below / pixel_mm - 0.5, np.float32),
+        cover=ground.panel_cover(x_mm, y_mm, px_mm),
+    )
+
+
+def _seen(view: View, robot_from_camera: Transform) -> _Seen:
+    return _seen_of(view, robot_from_camera.matrix.tobytes())
+
+
+def _hit(
+    rays: NDArray[np.float32], eye: NDArray[np.float64], height_mm: float
+) -> tuple[Light, Light, Light]:
+    """Return x, y and distance where rays hit a level; rays that miss end far away."""
+    fall = np.minimum(rays[..., 2], np.float32(-1e-3))
+    share = np.minimum(np.float32(height_mm - eye[2]) / fall, np.float32(4 * _FARTHEST_MM))
+    return (
+        np.asarray(eye[0] + share * rays[..., 0], np.float32),
+        np.asarray(eye[1] + share * rays[..., 1], np.float32),
+        np.asarray(share, np.float32),
+    )
+
+
+class MovingBackdrop:
+    """The ground for a camera that moves; light is divided by `HEADROOM`."""
+
+    def __init__(self, ground: Ground, lens: Lens) -> None:
+        self._ground = ground
+        self._lens = lens
+        self._rays = coarse_rays(lens).reshape(-1, 3)
+        self._shape = coarse_rays(lens).shape[:2]
+
+    def draw(
+        self,
+        robot_from_camera: Transform,
+        picture: str | None,
+        exposure: Exposure,
+        *,
+        are_lights_on: bool,
+    ) -> NDArray[np.uint8]:
+        """Return exposed light (h, w, 3) over `HEADROOM`, not yet vignetted."""
+        texture = _texture(self._ground, picture, exposure, are_lights_on)
+        rays = self._rays @ robot_from_camera.rotation.T
+        eye = robot_from_camera.translation_mm
+        share = (self._ground.surface_mm - eye[2]) / np.minimum(rays[:, 2], -1e-2)
+        left, low, _, _ = _window_mm(self._ground)
+        place = np.empty((len(rays), 2), np.float32)
+        place[:, 0] = (eye[0] + share * rays[:, 0] - left) / _TEXTURE_PX_MM - 0.5
+        place[:, 1] = (eye[1] + share * rays[:, 1] - low) / _TEXTURE_PX_MM - 0.5
+        where = spread(place.reshape(*self._shape, 2), self._lens)
+        beyond = texture[0, 0].tolist()
+        # Four channels run through OpenCV's vectorised path, three do not.
+        seen = cv2.remap(texture, where, None, cv2.INTER_LINEAR, borderValue=beyond)  # type: ignore[call-overload]
+        return np.asarray(cv2.cvtColor(seen, cv2.COLOR_BGRA2BGR), np.uint8)
+
+
+def _window_mm(ground: Ground) -> tuple[float, float, float, float]:
+    """Return left, low, right, high of the part of the plane that the texture holds."""
+    wide, tall = ground.panel_size_mm()
+    corner = ground.store.corner_mm
+    reach = max(wide, tall)
+    x, y = ground.display.corner_x_mm, ground.display.corner_y_mm
+    low = (min(corner[0] - 60, x - 120), min(corner[1] - 480, y) - _TEXTURE_MARGIN_MM)
+    high = (max(corner[0] + 700, x + tall + 220), max(corner[1] + 100, y + reach + 220))
+    return low[0], low[1], high[0], high[1]
+
+
+@lru_cache(maxsize=3)
+def _texture_light(ground: Ground) -> tuple[Light, Light, Light, Light]:
+    """Return lamplight, panel coordinates and panel cover of the texture's points."""
+    left, low, right, high = _window_mm(ground)
+    x = np.arange(left + _TEXTURE_PX_MM / 2, right, _TEXTURE_PX_MM, dtype=np.float32)
+    y = np.arange(low + _TEXTURE_PX_MM / 2, high, _TEXTURE_PX_MM, dtype=np.float32)
+    x_mm, y_mm = np.meshgrid(x, y)
+    light = ground.lamplight(x_mm, y_mm, _TEXTURE_PX_MM)
+    along, below = ground.panel_mm(x_mm, y_mm)
+    pixel_mm = np.float32(ground.display.pixel_mm)
+    cover = ground.panel_cover(x_mm, y_mm, _TEXTURE_PX_MM)
+    return light, along / pixel_mm - 0.5, below / pixel_mm - 0.5, cover
+
+
+@lru_cache(maxsize=8)
+def _texture(
+    ground: Ground, picture: str | None, exposure: Exposure, are_lights_on: bool
+) -> NDArray[np.uint8]:
+    """Return the ground's exposed light over `HEADROOM`, seen from above, four channels."""
+    lamplight, panel_u, panel_v, cover = _texture_light(ground)
+    light = lamplight * np.float32(1.0 if are_lights_on else UNLIT_SHARE)
+    panel = screen_light(picture)
+    if panel is not None:
+        rows, columns = (slice(int(k.min()), int(k.max()) + 1) for k in np.nonzero(cover))
+        part = np.s_[rows, columns]
+        shown = cv2.remap(
+            cv2.blur(panel, (3, 3)),
+            panel_u[part],
+            panel_v[part],
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        light[part] += np.asarray(shown) * cover[part][..., None]
+    exposed = exposure.linear(light)
+    half = np.clip(np.rint(exposed / np.float32(HEADROOM)), 0, 255).astype(np.uint8)
+    return np.asarray(cv2.cvtColor(half, cv2.COLOR_BGR2BGRA), np.uint8)

@@ -1,0 +1,374 @@
+"""`TwinCamera`: a rendered sibling of the cell's cameras."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.clock import Clock
+from cell.devices.camera import CameraMode, CameraSettings, Frame
+from cell.errors import DeviceError
+from cell.geometry import Pose, Transform
+from cell.kinematics import Matrix34
+from cell.profile import BlockProfile, Profile
+from cell.store import StoreSlot
+from cell.twin.cameras.arm_shape import (
+    ArmSkeleton,
+    Figure,
+    GripperLook,
+    arm_figures,
+    box_figures,
+    place,
+)
+from cell.twin.cameras.backdrop import HEADROOM, MovingBackdrop, View, fixed_backdrop
+from cell.twin.cameras.ground import PAINT, Ground
+from cell.twin.cameras.light import ScreenGlow, screen_glow
+from cell.twin.cameras.optics import Lens, brightness_map, lens_for_mode
+from cell.twin.cameras.painter import Brush, Eye, paint
+from cell.twin.cameras.sensor import Exposure, SensorNoise
+from cell.twin.cameras.shadows import cast_shadows
+from cell.twin.cameras.shapes import Colour, Solid, box, bridge, frustum
+from cell.twin.scene import Scene, SceneBlock
+
+_BLOCK_GLOSS = 1.0
+_KEPT_BACKDROPS = 8
+_LENS_BLUR = (3, 3)
+_UNKNOWN_PAINT: Colour = (0.4, 0.4, 0.4)
+
+
+class TwinCamera:
+    """A camera of the twin, fixed in the cell or on the arm's flange."""
+
+    def __init__(
+        self,
+        name: str,
+        profile: Profile,
+        *,
+        scene: Callable[[], Scene],
+        arm: ArmSkeleton,
+        clock: Clock,
+        seed: int,
+        slots: Sequence[StoreSlot] = (),
+    ) -> None:
+        """Make a camera, closed and at its default settings.
+
+        Args:
+            name: Its name in the profile, under `cameras` and `twin.cameras`.
+            profile: The cell's profile.
+            scene: Says what there is to see.
+            arm: Kinematics of the arm that is drawn.
+            clock: Tells when pictures are taken.
+            seed: Decides the sensor's noise, together with the name.
+            slots: The places printed on the store's sheet.
+        """
+        self._name = name
+        self._profile = profile
+        self._device = profile.cameras[name]
+        self._placing = profile.twin.cameras[name]
+        self._scene = scene
+        self._arm = arm
+        self._clock = clock
+        digest = hashlib.sha256(f"{seed} {name}".encode()).digest()
+        self._seed = int.from_bytes(digest[:4], "big")
+        self._settings = self._device.settings
+        self._ground = Ground(
+            display=profile.display,
+            store=profile.store,
+            surface_mm=profile.heights.surface_mm,
+            slots=tuple(slots),
+            blocks=tuple(profile.blocks.items()),
+        )
+        position, rotation = self._placing.position_mm, self._placing.rotation_deg
+        self._mount_from_camera = Transform.from_pose(Pose(*position, *rotation))
+        self._is_fixed = self._placing.mount == "world"
+        self._gripper = GripperLook(
+            profile.gripper, profile.arm.tool_mm[2], _flange_camera(profile, name)
+        )
+        self._boxes = box_figures(profile.boxes, profile.heights.surface_mm)
+        self._mode: CameraMode | None = None
+        self._lens: Lens | None = None
+        self._moving: MovingBackdrop | None = None
+        self._backdrops: dict[tuple[object, ...], NDArray[np.uint8]] = {}
+        self._number = 0
+        self._last: tuple[int, CameraSettings, Frame] | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the camera in the profile."""
+        return self._name
+
+    def open(self, mode: CameraMode) -> str:
+        """Start in a mode, the frames counted from 1 again; return the identity."""
+        self._mode = mode
+        self._lens = lens_for_mode(self._placing, mode)
+        self._moving = None if self._is_fixed else MovingBackdrop(self._ground, self._lens)
+        self._backdrops.clear()
+        self._number = 0
+        self._last = None
+        return f"{self._device.model} {self._device.guid}"
+
+    def close(self) -> None:
+        """Stop; closing twice does nothing."""
+        self._mode = None
+        self._lens = None
+        self._moving = None
+        self._backdrops.clear()
+        self._last = None
+
+    def settings(self) -> CameraSettings:
+        """Return the settings in force."""
+        return self._settings
+
+    def configure(self, settings: CameraSettings) -> None:
+        """Put settings in force for the next frame.
+
+        Raises:
+            DeviceError: A setting is one that the camera cannot have.
+        """
+        if settings.shutter_ms <= 0 or settings.gamma <= 0:
+            raise DeviceError(
+                f"camera {self._name}",
+                f"shutter {settings.shutter_ms:g} ms and gamma {settings.gamma:g} must be positive",
+            )
+        self._settings = settings
+
+    def grab(self) -> Frame:
+        """Return a picture of the scene as it is now.
+
+        The same `Frame` comes back as long as scene and settings are the same.
+
+        Raises:
+            DeviceError: The camera is not open.
+        """
+        if self._lens is None:
+            raise DeviceError(f"camera {self._name}", "is not open", hint="open it in a mode first")
+        scene = self._scene()
+        if self._last is not None:
+            revision, settings, frame = self._last
+            if revision == scene.revision and settings is self._settings:
+                return frame
+        self._number += 1
+        pixels = self._take(scene, self._lens)
+        pixels.setflags(write=False)
+        frame = Frame(
+            camera=self._name,
+            number=self._number,
+            time_s=self._clock.now_s(),
+            pixels=pixels,
+            settings=self._settings,
+        )
+        self._last = (scene.revision, self._settings, frame)
+        return frame
+
+    def _take(self, scene: Scene, lens: Lens) -> NDArray[np.uint8]:
+        points, tool = self._arm.chain(scene.joints_deg)
+        rotation, tool_point = _split(tool)
+        eye = Eye(lens, self._robot_from_camera(rotation, tool_point))
+        exposure = Exposure(self._settings, self._device.settings)
+        glow = _glow(scene.picture, self._profile)
+        if self._moving is None:
+            canvas = self._fixed_canvas(scene, eye, exposure, glow)
+        else:
+            canvas = self._moving.draw(
+                eye.robot_from_camera, scene.picture, exposure, are_lights_on=scene.are_lights_on
+            )
+            self._shadows(canvas, scene, eye, glow)
+        brush = Brush(
+            expose=_final_levels(exposure, lens) if self._is_fixed else _half_levels(exposure),
+            glare=exposure.linear,
+            glow=glow,
+            are_lights_on=scene.are_lights_on,
+        )
+        held, free = self._split_blocks(scene, rotation, tool_point)
+        groups: list[Sequence[Figure]] = [(figure,) for figure in self._boxes]
+        groups += [(figure,) for figure in arm_figures(points, self._ground.surface_mm)]
+        groups += [(self._block(block),) for block in free]
+        groups.append(self._hand(scene, eye, rotation, tool_point, held))
+        paint(canvas, groups, eye, brush)
+        return self._develop(canvas, exposure, lens)
+
+    def _robot_from_camera(
+        self, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]
+    ) -> Transform:
+        if self._is_fixed:
+            return self._mount_from_camera
+        matrix = np.eye(4)
+        matrix[:3, :3] = rotation
+        matrix[:3, 3] = tool_point - rotation @ np.array(self._profile.arm.tool_mm)
+        return Transform(matrix) @ self._mount_from_camera
+
+    def _fixed_canvas(
+        self, scene: Scene, eye: Eye, exposure: Exposure, glow: ScreenGlow
+    ) -> NDArray[np.uint8]:
+        """Return a fresh copy of the kept backdrop with the shadows of the blocks on it."""
+        place_of_camera = (*self._placing.position_mm, *self._placing.rotation_deg)
+        base_key = (scene.picture, scene.are_lights_on, exposure)
+        key = (*base_key, scene.blocks)
+        kept = self._backdrops.get(key)
+        if kept is None:
+            base = self._backdrops.get(base_key)
+            if base is None:
+                view = View(self._ground, eye.lens, place_of_camera)
+                light = fixed_backdrop(
+                    view, eye.robot_from_camera, scene.picture, are_lights_on=scene.are_lights_on
+                )
+                base = exposure.levels(exposure.linear(light))
+                self._keep(base_key, base)
+            kept = base.copy()
+            self._shadows(kept, scene, eye, glow)
+            self._keep(key, kept)
+        return kept.copy()
+
+    def _keep(self, key: tuple[object, ...], backdrop: NDArray[np.uint8]) -> None:
+        while len(self._backdrops) >= _KEPT_BACKDROPS:
+            self._backdrops.pop(next(iter(self._backdrops)))
+        self._backdrops[key] = backdrop
+
+    def _shadows(self, canvas: NDArray[np.uint8], scene: Scene, eye: Eye, glow: ScreenGlow) -> None:
+        surface_mm = self._ground.surface_mm
+        cast_shadows(canvas, scene.blocks, self._profile.blocks, surface_mm, eye, glow)
+
+    def _block(self, block: SceneBlock) -> Figure:
+        size = self._profile.blocks[block.kind]
+        return _block_figure(size, block.colour, block.x_mm, block.y_mm, block.z_mm, block.yaw_deg)
+
+    def _split_blocks(
+        self, scene: Scene, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]
+    ) -> tuple[list[SceneBlock], list[SceneBlock]]:
+        """Return the blocks between the fingers, and all others."""
+        held, free = [], []
+        x, y, z = tool_point
+        for block in scene.blocks:
+            is_near = abs(block.x_mm - x) < 80 and abs(block.y_mm - y) < 80
+            if is_near and abs(block.z_mm - z) < 80:
+                size = self._profile.blocks[block.kind]
+                middle = (block.x_mm, block.y_mm, block.z_mm + size.height_mm / 2)
+                in_tool = (np.array(middle) - tool_point) @ rotation
+                half = scene.opening_mm / 2
+                is_between = abs(in_tool[1]) < half and abs(in_tool[0]) < size.length_mm / 2
+                if is_between and abs(in_tool[2]) < size.height_mm:
+                    held.append(block)
+                    continue
+            free.append(block)
+        return held, free
+
+    def _hand(
+        self,
+        scene: Scene,
+        eye: Eye,
+        rotation: NDArray[np.float64],
+        tool_point: NDArray[np.float64],
+        held: Sequence[SceneBlock],
+    ) -> list[Figure]:
+        """Return the gripper with what it holds, in the order to draw it.
+
+        Planes of the tool frame part its pieces, so their order follows from the side of
+        each plane on which the camera is.
+        """
+        camera = (eye.robot_from_camera.translation_mm - tool_point) @ rotation
+        body = self._gripper.body(rotation, tool_point)
+        near = 1.0 if camera[1] > 0 else -1.0
+        opening = scene.opening_mm
+        far_finger = self._gripper.finger(rotation, tool_point, opening, -near)
+        near_finger = self._gripper.finger(rotation, tool_point, opening, near)
+        is_above = camera[2] < -self._profile.arm.tool_mm[2] / 2
+        if is_above:
+            far_finger, near_finger = far_finger[::-1], near_finger[::-1]
+        fingers = [*far_finger, *(self._block(block) for block in held), *near_finger]
+        return [*fingers, *body[::-1]] if is_above else [*body, *fingers]
+
+    def _develop(
+        self, canvas: NDArray[np.uint8], exposure: Exposure, lens: Lens
+    ) -> NDArray[np.uint8]:
+        """Return the finished picture: lens blur, vignetting, gamma, sharpness, noise."""
+        picture = canvas
+        if self._is_fixed:
+            picture = np.asarray(cv2.GaussianBlur(picture, _LENS_BLUR, 0), np.uint8)
+        else:
+            vignette = _vignette(lens)
+            cv2.multiply(picture, vignette, dst=picture, scale=HEADROOM / 255.0)
+            if exposure.is_bent():
+                cv2.LUT(picture, exposure.bend_table(), dst=picture)
+        weight = exposure.sharpening()
+        if weight != 0.0:
+            soft = cv2.GaussianBlur(picture, (0, 0), 1.5)
+            picture = np.asarray(cv2.addWeighted(picture, 1.0 + weight, soft, -weight, 0), np.uint8)
+        noise = SensorNoise(self._seed, self._placing.noise * exposure.amplification)
+        return noise.apply(picture, self._number)
+
+
+def _split(tool: Matrix34) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    rows = np.array(tool).reshape(3, 4)
+    return rows[:, :3], rows[:, 3]
+
+
+def _flange_camera(profile: Profile, itself: str) -> tuple[float, float, float] | None:
+    """Return where another camera hangs on the flange, None without one."""
+    for name, placing in profile.twin.cameras.items():
+        if placing.mount == "flange" and name != itself:
+            return placing.position_mm
+    return None
+
+
+@lru_cache(maxsize=12)
+def _vignette(lens: Lens) -> NDArray[np.uint8]:
+    share = np.rint(255 * brightness_map(lens)).astype(np.uint8)
+    return np.asarray(cv2.merge([share, share, share]), np.uint8)
+
+
+_glows: dict[tuple[str | None, object], ScreenGlow] = {}
+
+
+def _glow(picture: str | None, profile: Profile) -> ScreenGlow:
+    """Return the glow of a picture on the profile's panel, worked out once."""
+    key = (picture, profile.display)
+    if key not in _glows:
+        _glows[key] = screen_glow(picture, profile.display)
+    return _glows[key]
+
+
+def _final_levels(
+    exposure: Exposure, lens: Lens
+) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]:
+    def levels(light: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.uint8]:
+        share = np.maximum(lens.brightness(pixels), 0.5)
+        return exposure.levels(exposure.linear(light * share[:, None]))
+
+    return levels
+
+
+def _half_levels(
+    exposure: Exposure,
+) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]:
+    def levels(light: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.uint8]:
+        return np.clip(np.rint(exposure.linear(light) / HEADROOM), 0, 255).astype(np.uint8)
+
+    return levels
+
+
+@lru_cache(maxsize=256)
+def _block_figure(
+    size: BlockProfile, colour: str, x_mm: float, y_mm: float, z_mm: float, yaw_deg: float
+) -> Figure:
+    turn = math.radians(yaw_deg)
+    cos, sin = math.cos(turn), math.sin(turn)
+    rotation = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    paint_of_block = PAINT.get(colour, _UNKNOWN_PAINT)
+    return place(
+        _block_solid(size), rotation, np.array([x_mm, y_mm, z_mm]), paint_of_block, _BLOCK_GLOSS,
+        takes_glare=True,
+    )  # fmt: skip
+
+
+def _block_solid(size: BlockProfile) -> Solid:
+    if size.shape == "cylinder":
+        return frustum(size.length_mm / 2, size.length_mm / 2, size.height_mm, 40)
+    if size.arch_radius_mm > 0:
+        return bridge(size.length_mm, size.width_mm, size.height_mm, size.arch_radius_mm)
+    return box(size.length_mm, size.width_mm, size.height_mm)
