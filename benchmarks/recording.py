@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import statistics
 import tempfile
+import time
 from io import BytesIO
 from pathlib import Path
 
@@ -15,11 +17,22 @@ from cell.clock import SimulatedClock
 from cell.devices.camera import CameraSettings, Frame
 from cell.events import EventBus, MotionFinished, StepTaken
 from cell.geometry import Pose
-from cell.profile import profile_text
+from cell.profile import parse_profile, profile_text
+from dsl.library import library_script
+from sessions.hosting import host_twin
 from sessions.journal import Reply, SessionStart
-from sessions.recording import PictureStorage, RecorderFactory, SessionRecording
+from sessions.recording import (
+    PictureStorage,
+    RecorderFactory,
+    RecordingError,
+    SessionRecording,
+)
 from sessions.recording.events_json import encode_event
 from sessions.recording.pictures import encode_view
+from sessions.script_source import served_script
+from sessions.session import Session
+from sessions.verify import verify
+from sessions.wire.dialects import dialect_named
 
 _LINES, _WIRE, _EVENTS = 2, 8, 3
 _SETTINGS = CameraSettings(
@@ -29,7 +42,13 @@ _SETTINGS = CameraSettings(
 
 def run() -> list[Result]:
     with tempfile.TemporaryDirectory() as folder:
-        return [_small_records(Path(folder)), *_views(), _reading(Path(folder))]
+        return [
+            _small_records(Path(folder)),
+            *_views(),
+            _reading(Path(folder)),
+            *_step_rates(Path(folder)),
+            _verifying(Path(folder)),
+        ]
 
 
 def _start(name: str) -> SessionStart:
@@ -156,4 +175,110 @@ def _reading(folder: Path) -> Result:
         unit="ms",
         peer="reading the file's bytes",
         peer_value=raw_s * 1e3,
+    )
+
+
+_EXPECTED = (b"AVAILABLE_ACTIONS", b"OK", b"REWARD 0", b"VIEW")
+_VIEW_NAMES = (b"CAMERA_TOP", b"CAMERA_OBLIQUE", b"CAMERA_GRIPPER")
+
+
+class _Played:
+    """A session on the whole twin, in process, ready for actions."""
+
+    def __init__(self, recordings: Path | None, views: PictureStorage = "jpeg") -> None:
+        text = profile_text("mash")
+        self.hosted = host_twin(
+            served_script(library_script("mash"), "mash.cell"),
+            parse_profile(text, "mash"),
+            text,
+            seed=1,
+            clock=SimulatedClock(),
+            recordings=recordings,
+            views=views,
+        )
+        self.session = Session(self.hosted.desk, dialect_named("1.5"), "benchmark")
+        for line in (
+            b"INITIALIZE_TASK ReachRedCube STATIC_12x12",
+            b"BEGIN_TASK_SETUP",
+            b"END_TASK_SETUP",
+        ):
+            self._say(line)
+        self._steps = 0
+
+    def step(self) -> None:
+        """Move one point, to and fro."""
+        self._steps += 1
+        self._say(b"ACTION RIGHT" if self._steps % 2 else b"ACTION LEFT")
+
+    def step_with_views(self) -> None:
+        """Move one point and fetch all views."""
+        self.step()
+        for name in _VIEW_NAMES:
+            self._say(b"GET_VIEW " + name)
+
+    def close(self) -> None:
+        """End the session and everything under it."""
+        self.session.end("measured")
+        self.hosted.close()
+
+    def _say(self, line: bytes) -> None:
+        reply = self.session.handle(line)
+        if not reply.text.startswith(_EXPECTED):
+            raise RecordingError(f"{line!r} was answered {reply.text!r}; nothing is measured")
+
+
+def _step_rates(folder: Path) -> list[Result]:
+    """Return steps a second with a recorder beside those without, views and all."""
+    plain, recorded = _Played(None), _Played(folder / "rates")
+    results = []
+    for name, job, repeat, number, least in (
+        ("steps, recorded", _Played.step, 15, 300, 0.9),
+        ("steps with three fresh views, recorded as jpeg", _Played.step_with_views, 9, 10, 0.8),
+    ):
+        # In turns, so that whatever else the machine does burdens both alike.
+        times = [
+            (
+                median_s(functools.partial(job, plain), repeat=1, number=number),
+                median_s(functools.partial(job, recorded), repeat=1, number=number),
+            )
+            for _ in range(repeat)
+        ]
+        results.append(
+            Result(
+                name=name,
+                value=1 / statistics.median(time for _, time in times),
+                unit="1/s",
+                peer="the same, not recorded",
+                peer_value=1 / statistics.median(time for time, _ in times),
+                target=least,
+                target_is="at least",
+                of="ratio",
+            )
+        )
+    plain.close()
+    recorded.close()
+    return results
+
+
+def _verifying(folder: Path) -> Result:
+    """Return how long the replay of 300 steps with three views each takes."""
+    played = _Played(folder / "verified", "none")
+    started_s = time.perf_counter()
+    for _ in range(300):
+        played.step_with_views()
+    playing_s = time.perf_counter() - started_s
+    played.close()
+    (path,) = (folder / "verified").glob("*.mcap")
+    started_s = time.perf_counter()
+    report = verify(SessionRecording.open(path))
+    verifying_s = time.perf_counter() - started_s
+    if not report.is_identical:
+        raise RecordingError(report.describe())
+    return Result(
+        name=f"verify of 300 steps with {report.views} full-size views",
+        value=verifying_s,
+        unit="s",
+        peer="playing them",
+        peer_value=playing_s,
+        target=15.0,
     )

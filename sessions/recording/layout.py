@@ -36,8 +36,12 @@ REPLY_HAS_VIEW: Final = 2
 PICTURE_HEAD: Final = struct.Struct("<I")
 """Length of the JSON that comes before the picture's bytes."""
 
-TO_DEVICE: Final = b"\x00"
-FROM_DEVICE: Final = b"\x01"
+WIRE_HEAD: Final = struct.Struct("<I")
+"""Number of pieces in a message of wire traffic."""
+WIRE_PIECE: Final = struct.Struct("<BQI")
+"""Direction, time in ns, number of bytes of a piece."""
+TO_DEVICE: Final = 0
+FROM_DEVICE: Final = 1
 
 MessageEncoding = Literal["json", "octets"]
 
@@ -80,7 +84,11 @@ REPLY_SCHEMA: Final = SchemaText(
 WIRE_SCHEMA: Final = SchemaText(
     name="robocell.WireBytes",
     encoding="text",
-    text="uint8 direction: 0 to the device, 1 from the device; the rest: the bytes.\n",
+    text=(
+        "Traffic in a row with one device. uint32: number of pieces; for each piece uint8\n"
+        "direction (0 to the device, 1 from the device), uint64 time in ns on the session's\n"
+        "clock, uint32 number of bytes; then the bytes of all pieces. Little-endian.\n"
+    ),
 )
 PICTURE_SCHEMA: Final = SchemaText(
     name="robocell.Picture",

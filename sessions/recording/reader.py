@@ -202,14 +202,7 @@ class SessionRecording:
         for message in self._scan.select(layout.WIRE_PREFIX):
             if wanted is not None and message.topic != wanted:
                 continue
-            data = self._scan.data(message)
-            yield RecordedBytes(
-                step=message.sequence,
-                time_ns=message.time_ns,
-                device=message.topic.removeprefix(layout.WIRE_PREFIX),
-                direction="to_device" if data[:1] == layout.TO_DEVICE else "from_device",
-                data=data[1:],
-            )
+            yield from self._pieces(message)
 
     def views(self) -> Iterator[RecordedView]:
         """Yield every kept view, in the order they were written."""
@@ -239,6 +232,21 @@ class SessionRecording:
             closes=bool(flags & layout.REPLY_CLOSES),
             view=view if flags & layout.REPLY_HAS_VIEW else None,
         )
+
+    def _pieces(self, message: Message) -> Iterator[RecordedBytes]:
+        data = self._scan.data(message)
+        (count,) = layout.WIRE_HEAD.unpack_from(data)
+        table = layout.WIRE_HEAD.size
+        start = table + count * layout.WIRE_PIECE.size
+        for mark, time_ns, size in layout.WIRE_PIECE.iter_unpack(data[table:start]):
+            yield RecordedBytes(
+                step=message.sequence,
+                time_ns=time_ns,
+                device=message.topic.removeprefix(layout.WIRE_PREFIX),
+                direction="to_device" if mark == layout.TO_DEVICE else "from_device",
+                data=data[start : start + size],
+            )
+            start += size
 
     def _view(self, message: Message) -> RecordedView:
         head = self._view_head(message)

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import json
 import logging
+import struct
 import threading
-from collections import deque
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 
 from cell.clock import Clock
@@ -30,21 +31,30 @@ from sessions.recording.view_writer import ViewWriter
 
 _log = logging.getLogger(__name__)
 
-_FLUSH_MESSAGES = 256
+_FLUSH_PIECES = 256
 _EVENT_CAPACITY = 100_000
 _OPCODE_MESSAGE = 5
-_MARKS: dict[Direction, bytes] = {
+_MARKS: dict[Direction, int] = {
     "to_device": layout.TO_DEVICE,
     "from_device": layout.FROM_DEVICE,
 }
 _EVENT_SCHEMA = layout.SchemaText(name="robocell.Event", encoding="jsonschema", text=event_schema())
 
 
+@lru_cache(maxsize=1024)
+def _wire_table(pieces: int) -> struct.Struct:
+    """Return the packing of a whole table at once, which is what makes it cheap."""
+    piece = layout.WIRE_PIECE.format.removeprefix("<")
+    return struct.Struct(layout.WIRE_HEAD.format + piece * pieces)
+
+
 class SessionRecorder:
     """The journal of one session, kept in one MCAP file.
 
-    A disk that fails must not stop an arm: the first failure is logged, nothing
-    more is written, and the file stays without its summary ("not finished").
+    All methods, the tap among them, belong to the thread that has the cell; only views
+    are finished by another. A disk that fails must not stop an arm: the first failure is
+    logged, nothing more is written, and the file stays without its summary ("not
+    finished").
     """
 
     def __init__(
@@ -76,7 +86,11 @@ class SessionRecorder:
         self._clock = clock
         self._counts = file.message_counts
         self._lock = threading.Lock()
-        self._pending: deque[tuple[int, int, float, bytes]] = deque()
+        self._pending: list[tuple[int, int, float, bytes]] = []
+        self._run_link: str | None = None
+        self._run_channel = 0
+        self._run: list[float] = []
+        self._run_data: list[bytes] = []
         self._step = 0
         self._failure: RecordingError | None = None
         self._is_closed = False
@@ -106,11 +120,13 @@ class SessionRecorder:
 
     def received(self, line: bytes) -> None:
         """Note a line of the client (without its LF); it begins a step."""
+        self._end_run()
         self._step = (self._step + 1) & 0xFFFFFFFF
         self._note(self._received, line)
 
     def replied(self, reply: Reply) -> None:
         """Note the reply to the last line and write the whole step to the file."""
+        self._end_run()
         for event in self._subscription.take():
             self._pending.append((self._events, self._step, event.time_s, encode_event(event)))
         flags = layout.REPLY_CLOSES if reply.closes else 0
@@ -133,10 +149,11 @@ class SessionRecorder:
         """Note bytes on the wire of a device; after the end of the session they are not noted."""
         if self._is_closed:
             return
-        channel = self._wire_channels.get(link) or self._add_wire_channel(link)
-        pending = self._pending
-        pending.append((channel, self._step, self._clock.now_s(), _MARKS[direction] + data))
-        if len(pending) >= _FLUSH_MESSAGES:
+        if link != self._run_link:
+            self._begin_run(link)
+        self._run += (_MARKS[direction], self._clock.now_s(), len(data))
+        self._run_data.append(data)
+        if len(self._run_data) >= _FLUSH_PIECES:
             self._flush()
 
     def close(self, reason: str) -> None:
@@ -144,6 +161,7 @@ class SessionRecorder:
         if self._is_closed:
             return
         self._is_closed = True
+        self._end_run()
         for event in self._subscription.take():
             self._pending.append((self._events, self._step, event.time_s, encode_event(event)))
         self._unsubscribe()
@@ -172,35 +190,55 @@ class SessionRecorder:
             self._fail(error)
 
     def _note(self, channel: int, data: bytes) -> None:
-        """Keep a message for the next write; cheap, and safe from any thread."""
+        """Keep a message for the next write."""
         self._pending.append((channel, self._step, self._clock.now_s(), data))
-        if len(self._pending) >= _FLUSH_MESSAGES:
-            self._flush()
+
+    def _begin_run(self, link: str) -> None:
+        """Begin a message of wire traffic; it takes all that follows with the same device."""
+        self._end_run()
+        self._run_link = link
+        channel = self._wire_channels.get(link)
+        self._run_channel = self._add_wire_channel(link) if channel is None else channel
+
+    def _end_run(self) -> None:
+        """Keep the traffic of a device as a message for the next write."""
+        if self._run_link is None:
+            return
+        times_s = self._run[1::3]
+        self._run[1::3] = [int(time_s * 1e9 + 0.5) for time_s in times_s]
+        pieces = len(self._run_data)
+        table = _wire_table(pieces).pack(pieces, *self._run)
+        data = table + b"".join(self._run_data)
+        self._pending.append((self._run_channel, self._step, times_s[0], data))
+        self._run_link = None
+        self._run.clear()
+        self._run_data.clear()
 
     def _flush(self) -> None:
         """Write all kept messages in one go."""
+        self._end_run()
         # Runs once a step and dominates what a recording costs: names are local, a time that
         # repeats is converted once, and one join copies every byte once.
         pending, counts, pack = self._pending, self._counts, MESSAGE_HEAD.pack
         parts: list[bytes] = []
         last_s = 0.0
         time_ns = 0
-        with self._lock:
-            for _ in range(len(pending)):
-                channel, step, time_s, data = pending.popleft()
-                if time_s != last_s:
-                    last_s = time_s
-                    time_ns = int(time_s * 1e9 + 0.5)
-                size = MESSAGE_FIELDS_SIZE + len(data)
-                parts += (pack(_OPCODE_MESSAGE, size, channel, step, time_ns, time_ns), data)
-                counts[channel] += 1
-            if self._failure is not None or not parts:
-                return
-            self._end_ns = max(self._end_ns, time_ns)
-            try:
-                self._file.append(b"".join(parts))
-            except RecordingError as error:
-                self._fail(error)
+        for channel, step, time_s, data in pending:
+            if time_s != last_s:
+                last_s = time_s
+                time_ns = int(time_s * 1e9 + 0.5)
+            size = MESSAGE_FIELDS_SIZE + len(data)
+            parts += (pack(_OPCODE_MESSAGE, size, channel, step, time_ns, time_ns), data)
+            counts[channel] += 1
+        pending.clear()
+        if self._failure is not None or not parts:
+            return
+        if time_ns > self._end_ns:
+            self._end_ns = time_ns
+        try:
+            self._file.append(b"".join(parts))
+        except RecordingError as error:
+            self._fail(error)
 
     def _fail(self, error: RecordingError) -> None:
         if self._failure is None:
