@@ -53,8 +53,8 @@ class TurnedAway:
 class Connection:
     """Reads lines, has them answered, and sends the replies in order.
 
-    `run` belongs to the connection's own thread; `hang_up`, `finish` and
-    `waiting_s` may be used by any.
+    `run` belongs to the connection's own thread; `hang_up`, `finish`, `waiting_s`
+    and `waiting_since_s` may be used by any.
     """
 
     def __init__(
@@ -74,6 +74,11 @@ class Connection:
         self._waiting_since_s: float | None = clock.now_s()
         self._reason = ""
         self._is_finishing = False
+
+    @property
+    def waiting_since_s(self) -> float | None:
+        """When the peer's turn began (it owes a line or has a reply to take), or None."""
+        return self._waiting_since_s
 
     @property
     def waiting_s(self) -> float:

@@ -7,7 +7,7 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from types import TracebackType
@@ -135,11 +135,12 @@ class MasServer:
             if connection.waiting_s > self._limits.idle_timeout_s:
                 connection.hang_up("silent for too long")
 
-    def shutdown(self, timeout_s: float = 120.0) -> None:
+    def shutdown(self, timeout_s: float = 120.0, *, peer_grace_s: float = 2.0) -> None:
         """Stop: send replies under way, close connections, give the cell back clean.
 
         Args:
             timeout_s: How long commands under way and the cleaning of the cell may take.
+            peer_grace_s: How long, at least, a client may take to receive a reply.
 
         Raises:
             ServerError: They took longer; the cell may not be clean.
@@ -147,18 +148,38 @@ class MasServer:
         self._stopping.set()
         self._close_listeners()
         with self._lock:
-            running = list(self._connections.items())
-        for connection, _ in running:
+            running = dict(self._connections)
+        for connection in running:
             connection.finish("server stopped")
-        threads = [*self._threads, *(thread for _, thread in running)]
-        if _join(threads, timeout_s):
+        threads = [*self._threads, *running.values()]
+        if self._part(running, threads, timeout_s, peer_grace_s):
             return
-        for connection, _ in running:
+        for connection in running:
             connection.hang_up("server stopped")
         if not _join(threads, UNBLOCK_S):
             raise ServerError(
                 f"a connection did not end within {timeout_s:g} s; the cell may not be clean"
             )
+
+    def _part(
+        self,
+        running: Iterable[Connection],
+        threads: Sequence[threading.Thread],
+        timeout_s: float,
+        peer_grace_s: float,
+    ) -> bool:
+        """Wait for threads to end; break off clients that take no reply."""
+        deadline_s = time.monotonic() + timeout_s
+        stuck: dict[Connection, float | None] = {}
+        while not _join(threads, min(peer_grace_s, deadline_s - time.monotonic())):
+            if time.monotonic() >= deadline_s:
+                return False
+            for connection in running:
+                since_s = connection.waiting_since_s
+                if since_s is not None and stuck.get(connection) == since_s:
+                    connection.hang_up("server stopped")
+                stuck[connection] = since_s
+        return True
 
     # Threads
 
