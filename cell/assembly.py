@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from cell.clock import Clock
@@ -38,6 +37,8 @@ from cell.twin.keeping import WorldFile
 from cell.twin.screen import TwinScreen
 from cell.twin.world import World
 from cell.twin_cell import TwinCell
+
+_CAMERA_SEED = 1
 
 
 def assemble_twin(
@@ -89,10 +90,17 @@ def assemble_twin(
         wire("arm", controller), clock, ArmSettings.from_profile(profile.arm), on_warning=_unheard
     )
     gripper = SchunkGripper(
-        wire("gripper", module), clock, SchunkSettings.from_profile(profile.gripper)
+        wire("gripper", module),
+        clock,
+        SchunkSettings.from_profile(profile.gripper),
+        token=stop,
+        on_warning=_unheard,
     )
     display = SharpDisplay(
-        wire("display", television), clock, SharpSettings.from_profile(profile.display)
+        wire("display", television),
+        clock,
+        SharpSettings.from_profile(profile.display),
+        on_warning=_unheard,
     )
     cell = TwinCell(
         profile,
@@ -100,7 +108,7 @@ def assemble_twin(
         gripper=gripper,
         display=display,
         screen=TwinScreen(world),
-        cameras=_cameras(profile, world, kinematics, clock, seed),
+        cameras=_cameras(profile, plan, world, kinematics, clock),
         ledger=Ledger(None if state_folder is None else state_folder / "ledger.sqlite"),
         plan=plan,
         events=events,
@@ -129,6 +137,24 @@ def blocks_in_store(profile: Profile, plan: StorePlan) -> list[TwinBlock]:
             )
         )
     return blocks
+
+
+def _cameras(
+    profile: Profile, plan: StorePlan, world: World, kinematics: SixAxisArm, clock: Clock
+) -> dict[str, Camera]:
+    """Return the twin's cameras; their noise is their own, whatever session looks."""
+    return {
+        name: TwinCamera(
+            name,
+            profile,
+            scene=world.scene,
+            arm=kinematics,
+            clock=clock,
+            seed=_CAMERA_SEED,
+            slots=plan.slots,
+        )
+        for name in profile.cameras
+    }
 
 
 def _keep(world: World, file: WorldFile, clock: Clock) -> None:

@@ -71,6 +71,7 @@ class RobotCell:
         )
         self._release = release
         self._is_open = False
+        self._modes: dict[str, CameraMode] = {}
         self._last_frames: dict[str, Frame] = {}
 
     # A session's beginning
@@ -141,13 +142,12 @@ class RobotCell:
             ("lights", lambda: self.set_output(outputs.lights, is_on=False)),
             ("gripper", lambda: self.set_output(outputs.gripper_power, is_on=False)),
             ("arm", self.arm.close),
-            *((f"camera {name}", camera.close) for name, camera in self.cameras.items()),
+            ("cameras", self.close_cameras),
         ):
             try:
                 close()
             except CellError as error:
                 self.events.emit(DeviceFailed(device, str(error)))
-        self._last_frames.clear()
         self.events.emit(DeviceClosed("cell"))
 
     # Motion
@@ -266,7 +266,10 @@ class RobotCell:
         if device is None:
             known = ", ".join(sorted(self.cameras))
             raise DeviceError(f"camera {camera}", f"is not in the profile; known are {known}")
-        device.open(camera_mode(camera, width_px, height_px))
+        mode = camera_mode(camera, width_px, height_px)
+        if self._modes.get(camera) != mode:
+            device.open(mode)
+            self._modes[camera] = mode
         frame = device.grab()
         if self._last_frames.get(camera) is not frame:
             self._last_frames[camera] = frame
@@ -279,6 +282,8 @@ class RobotCell:
         """Stop all cameras."""
         for camera in self.cameras.values():
             camera.close()
+        self._modes.clear()
+        self._last_frames.clear()
 
 
 def camera_mode(camera: str, width_px: int, height_px: int) -> CameraMode:
