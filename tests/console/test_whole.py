@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -56,7 +57,7 @@ def test_the_demo_reaches_its_goal_and_proves_it(
     assert Path(told["session"]).is_relative_to(home)
 
     changed = home / "changed.cell"
-    changed.write_text(library_script("mash").replace("reward 20", "reward 21"), "utf-8")
+    changed.write_text(re.sub(r"reward +20\b", "reward 21", library_script("mash")), "utf-8")
     assert main(["sessions", "verify", "latest", "--script", str(changed)]) == 1
     said = capsys.readouterr().out
     assert said.startswith("different at step ")
@@ -79,6 +80,15 @@ def test_serve_announces_each_listener_and_ends_cleanly_on_sigterm(home: Path) -
     listed = json.loads(run_cell("sessions", "list", "--json", home=home).stdout)
     assert [one["state"] for one in listed] == ["finished"]
     assert listed[0]["dialect"] == "1.4"
+
+
+def test_one_session_after_the_other_is_served_and_recorded(home: Path) -> None:
+    with serving(home, "--views", "none") as (_, lines):
+        for seed in ("1", "2"):
+            done = run_cell("experiment", lines[0].split()[2], "--seed", seed, home=home)
+            assert done.returncode == 0, done.stderr
+    listed = json.loads(run_cell("sessions", "list", "--json", home=home).stdout)
+    assert [one["state"] for one in listed] == ["finished", "finished"]
 
 
 def test_serve_ends_cleanly_on_ctrl_c_too(home: Path) -> None:
