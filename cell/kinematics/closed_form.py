@@ -128,7 +128,7 @@ class ClosedForm:
         is_front = bool(posture & ABOVE) == bool(posture & RIGHT)
         q2, q3, s23, c23 = self._elbow(r, h, is_front=is_front)
         near4 = 0.0 if near_deg is None else radians(near_deg[3])
-        q4, q5, q6 = _wrist_angles(matrix, c1, s1, s23, c23, near4)
+        q4, q5, q6 = _wrist_angles(matrix, _turned_back(matrix, c1, s1), s23, c23, near4)
         joints = _to_degrees(atan2(s1, c1), q2, q3, q4, q5, q6, near_deg)
         return joints if posture & NON_FLIP or q5 == 0.0 else _flipped(joints, near_deg)
 
@@ -147,12 +147,13 @@ class ClosedForm:
         for side in (RIGHT, 0):
             c1, s1, r, h = self._shoulder(wrist, side, near_deg)
             q1 = atan2(s1, c1)
+            turned = _turned_back(matrix, c1, s1)
             for height in (ABOVE, 0):
                 try:
                     q2, q3, s23, c23 = self._elbow(r, h, is_front=bool(height) == bool(side))
                 except OutOfReach:
                     break
-                q4, q5, q6 = _wrist_angles(matrix, c1, s1, s23, c23, near4)
+                q4, q5, q6 = _wrist_angles(matrix, turned, s23, c23, near4)
                 posture = side | height
                 joints = _to_degrees(q1, q2, q3, q4, q5, q6, near_deg)
                 found.append((posture | NON_FLIP, joints))
@@ -211,25 +212,31 @@ class ClosedForm:
         return atan2(s2, c2), atan2(sin_gamma, cos_gamma) + self._beta, s23, c23
 
 
+def _turned_back(matrix: Matrix34, c1: float, s1: float) -> tuple[float, ...]:
+    """Return outward and sideways parts of the tool's axes n, o, a: nr, ny, or, ar, ay."""
+    r00, r01, r02, _, r10, r11, r12, _, _, _, _, _ = matrix
+    return (
+        c1 * r00 + s1 * r10, c1 * r10 - s1 * r00, c1 * r01 + s1 * r11,
+        c1 * r02 + s1 * r12, c1 * r12 - s1 * r02,
+    )  # fmt: skip
+
+
 def _wrist_angles(
-    matrix: Matrix34, c1: float, s1: float, s23: float, c23: float, near4: float
+    matrix: Matrix34, turned: tuple[float, ...], s23: float, c23: float, near4: float
 ) -> tuple[float, float, float]:
     """Return q4, q5 >= 0 and q6 in radians; q5 is exactly 0 where q4 is free."""
-    r00, r01, r02, _, r10, r11, r12, _, r20, r21, r22, _ = matrix
-    ar = c1 * r02 + s1 * r12
+    nr, ny, outward, ar, ay = turned
+    r20, r21, r22 = matrix[8], matrix[9], matrix[10]
     ax = c23 * ar - s23 * r22
-    ay = c1 * r12 - s1 * r02
     az = s23 * ar + c23 * r22
-    nr = c1 * r00 + s1 * r10
     bend = sqrt(ax * ax + ay * ay)
     if bend > _STRAIGHT:
         return (
             atan2(ay, ax),
             atan2(bend, az),
-            atan2(s23 * (c1 * r01 + s1 * r11) + c23 * r21, -s23 * nr - c23 * r20),
+            atan2(s23 * outward + c23 * r21, -s23 * nr - c23 * r20),
         )
     nx = c23 * nr - s23 * r20
-    ny = c1 * r10 - s1 * r00
     if az > 0.0:
         return near4, 0.0, atan2(ny, nx) - near4
     return near4, pi, near4 - atan2(-ny, -nx)

@@ -17,6 +17,7 @@ from cell.kinematics.rotation import Matrix34, matrix_from_pose, pose_from_matri
 from cell.kinematics.solutions import IkSolution, LimitViolation, ReachProblem
 from cell.profile import ArmProfile
 
+_NAMES = ("J1", "J2", "J3", "J4", "J5", "J6")
 _LIMIT_SLACK_DEG = 1e-7
 """Rounding of a solution that stands exactly at a limit."""
 
@@ -96,16 +97,16 @@ class SixAxisArm:
 
     def violations(self, joints_deg: tuple[float, ...]) -> tuple[LimitViolation, ...]:
         """Return every joint limit that the angles violate."""
-        low, high = self._low, self._high
         return tuple(
-            LimitViolation(
-                f"J{axis + 1}",
-                angle,
-                self.joint_min_deg[axis] if angle < low[axis] else self.joint_max_deg[axis],
-            )
-            for axis, angle in enumerate(joints_deg)
-            if not low[axis] <= angle <= high[axis]
-        )
+            [
+                LimitViolation(name, angle, smallest if angle < low else largest)
+                for name, angle, low, high, smallest, largest in zip(
+                    _NAMES, joints_deg, self._low, self._high, self.joint_min_deg,
+                    self.joint_max_deg, strict=True,
+                )
+                if not low <= angle <= high
+            ]
+        )  # fmt: skip
 
     def inverse(self, pose: Pose, near: JointAngles | None = None) -> tuple[IkSolution, ...]:
         """Return every solution of a pose, also those outside the joint limits.

@@ -9,9 +9,8 @@ from cell.geometry import JointAngles
 from cell.kinematics.flags import posture_name
 
 
-@dataclass(frozen=True, slots=True)
-class LimitViolation:
-    """A joint angle outside its limits.
+class LimitViolation(NamedTuple):
+    """A joint angle outside its limits; a named tuple, because many are made.
 
     Attributes:
         joint: Name of the joint, such as `J5`.

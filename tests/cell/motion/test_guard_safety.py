@@ -181,3 +181,41 @@ def test_the_brute_force_check_sees_each_kind_of_violation() -> None:
     assert "flange" in violations((0, 110, 60, 0, -60, 0), [])
     wall = BoxProfile(name="wall", min_mm=(200, -500, 300), max_mm=(300, 500, 900))
     assert violations((0, 20, 100, 0, 60, 0), [wall]) == ["wall"] * 3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_accepted_turn_bulges_into_a_wall_between_its_ends(seed: int) -> None:
+    source = random.Random(200 + seed)
+    accepted = refused = 0
+    for _ in range(60):
+        half, lean, bend = source.uniform(10, 30), source.uniform(10, 40), source.uniform(40, 70)
+        shape = (lean, 180.0 - lean - bend, 0.0, bend, source.uniform(-90, 90))
+        start, middle, end = (JointAngles((j1, *shape)) for j1 in (-half, 0.0, half))
+        x = ARM.link_points_mm(middle.deg)[4][0] + source.uniform(60, 160)
+        wall = BoxProfile(name="wall", min_mm=(x, -60, 38.5), max_mm=(x + 100, 60, 1000))
+        if violations(six(np.array(end.deg)), [TABLE, wall]):
+            continue
+        try:
+            move = guard_with([TABLE, wall]).check_joint(start, end, percent=30)
+        except MotionRefused:
+            refused += 1
+            continue
+        accepted += 1
+        for joints in samples(move, 60):
+            assert violations(joints, [TABLE, wall]) == [], (seed, move, joints)
+    assert min(accepted, refused) > 3
+
+
+def test_turn_that_bulges_into_a_wall_between_its_ends_is_refused() -> None:
+    start, end = (JointAngles((j1, 35.0, 95.0, 0.0, 50.0, 0.0)) for j1 in (-25.0, 25.0))
+    reach = ARM.link_points_mm((0.0, *start.deg[1:]))[4][0]
+    ends = ARM.link_points_mm(end.deg)[4][0] + 60.0
+    gap = 0.5 * (reach + 60.0 - ends)
+    wall = BoxProfile(
+        name="wall", min_mm=(ends + gap, -50, 38.5), max_mm=(ends + gap + 100, 50, 1000)
+    )
+    guard = guard_with([TABLE, wall])
+    assert violations((0.0, 35.0, 95.0, 0.0, 50.0, 0.0), [wall]) != []
+    assert violations(six(np.array(end.deg)), [wall]) == []
+    with pytest.raises(MotionRefused, match="into the wall"):
+        guard.check_joint(start, end, percent=30)
