@@ -2,7 +2,8 @@
 
 Server and client are two processes on one machine. "Two cores" pins the server to
 one and the client to another, "one core" pins both to the same. The bare server is
-a blocking socket that answers each line with the same bytes.
+a blocking socket that answers each line with the same bytes. Targets of times are for
+two cores, where a client on its own machine comes nearest.
 """
 
 from __future__ import annotations
@@ -198,13 +199,13 @@ def _round_trips(name: str, serve: Serve, cores: int, step_us: float) -> list[Re
             unit="us",
             peer="the step in process",
             peer_value=step_us,
-            target=150,
+            target=150 if cores == 2 else None,
         ),
         Result(
             name=f"{name}: server adds to step and bare exchange",
             value=mas_us - step_us - bare_us,
             unit="us",
-            target=60,
+            target=60 if cores == 2 else None,
         ),
     ]
 
