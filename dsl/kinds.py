@@ -61,6 +61,7 @@ def shape_of(kind: str, yaw_deg: float) -> _Shape:
     return kind, yaw_deg % 180.0 == 90.0
 
 
+@lru_cache(maxsize=64)
 def border_steps(shape: _Shape) -> tuple[int, int]:
     """Return how many lattice steps a block must keep from the world's border, in x and y.
 

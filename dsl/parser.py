@@ -121,9 +121,12 @@ def grammar(*, is_strict: bool = False) -> Lark:
 
 def _drop_bad_tokens(tokens: Iterator[Token], report: Report) -> list[Token]:
     """Report what is no token of the language; make the best of it."""
+    read = list(tokens)
+    if not any(token.type.startswith("BAD") for token in read):
+        return read
     kept: list[Token] = []
     is_glued = False
-    for token in tokens:
+    for token in read:
         if token.type == "BAD_TEXT":
             span = token_span(token)
             report.add("E103", span, "the text is not closed", 'put a `"` at its end')
@@ -176,7 +179,7 @@ class _Parsing:
     def run(self) -> Tree[Token] | None:
         from lark import UnexpectedToken
 
-        feed = self._parser.feed_token
+        feed = self._parser.parser_state.feed_token
         tokens = self._tokens
         index, count = 0, len(tokens)
         while index < count:

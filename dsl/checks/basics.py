@@ -11,7 +11,7 @@ from dsl.diagnostics import Report
 from dsl.kinds import clash, shape_of
 from dsl.program import Action, Slot, Store
 
-MAX_SLOTS = 200
+MAX_SLOTS = 64
 MAX_SLOT_NUMBER = 9999
 MAX_PLAN_MM = 2000.0
 MAX_STEPS = 99

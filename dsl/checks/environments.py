@@ -17,7 +17,7 @@ from dsl.kinds import BACKGROUNDS
 from dsl.program import Environment, Place, Requirement, View, World
 from dsl.words import did_you_mean
 
-MAX_WORLD = 99
+MAX_WORLD = 40
 MIN_TRAVEL_MM, MAX_TRAVEL_MM = 20.0, 400.0
 DEFAULT_BACKGROUND = "black"
 DEFAULT_TRAVEL_MM = 65.0

@@ -31,7 +31,7 @@ from dsl.spans import Span
 from dsl.teacher import distances
 from dsl.words import enumerate_words
 
-_BUDGET = 2_000
+_BUDGET = 20_000
 
 
 def check_layouts(

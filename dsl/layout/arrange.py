@@ -18,7 +18,7 @@ from dsl.layout.pieces import (
     start_piece,
     withheld_sorts,
 )
-from dsl.layout.search import BUDGET, Search
+from dsl.layout.search import Search
 from dsl.program import Environment, Goal, Store
 
 
@@ -69,7 +69,7 @@ def _points(
         return outcome.points
     reason = blame(world, pieces, requirements)
     if outcome.verdict == "open":
-        reason = f"none was found in {BUDGET} placements; probably {reason}"
+        reason = f"none was found within the budget of the search; perhaps {reason}"
     raise InfeasibleLayout(goal.name, environment.name, seed, reason)
 
 

@@ -9,7 +9,7 @@ from dsl.layout.pieces import Piece
 from dsl.layout.search import Search
 from dsl.program import Distance, Requirement, World
 
-_BUDGET = 1_000
+_BUDGET = 20_000
 
 
 def blame(world: World, pieces: Sequence[Piece], requirements: Sequence[Requirement]) -> str:
@@ -65,17 +65,23 @@ def _too_many(
     world: World, pieces: Sequence[Piece], requirements: Sequence[Requirement], why: str
 ) -> str:
     """Say how many of the blocks fit, found by leaving out free ones from the end."""
-    kept = list(pieces)
-    free = [piece for piece in pieces if piece.point is None and piece.role == "block"]
+    free = [i for i, p in enumerate(pieces) if p.point is None and p.role == "block"]
     asked = sum(piece.role == "block" for piece in pieces)
-    for left_out, piece in enumerate(reversed(free), start=1):
-        position = len(kept) - 1 - kept[::-1].index(piece)
-        del kept[position]
-        if _is_possible(world, kept, requirements):
-            fit = asked - left_out
-            blocks = "1 block fits" if fit == 1 else f"{fit} blocks fit"
-            return f"{why} at most {blocks} into {world}, {asked} are asked for"
-    return f"{why} no block fits into {world} beside the fixed ones"
+
+    def fits(kept: int) -> bool:
+        left_out = set(free[kept:])
+        rest = [piece for i, piece in enumerate(pieces) if i not in left_out]
+        return _is_possible(world, rest, requirements)
+
+    if not fits(0):
+        return f"{why} no block fits into {world} beside the fixed ones"
+    few, many = 0, len(free)
+    while many - few > 1:
+        middle = (few + many) // 2
+        few, many = (middle, many) if fits(middle) else (few, middle)
+    fit = asked - len(free) + few
+    blocks = "1 block fits" if fit == 1 else f"{fit} blocks fit"
+    return f"{why} at most {blocks} into {world}, {asked} are asked for"
 
 
 def _together(world: World, requirements: Sequence[Requirement]) -> str:

@@ -3,7 +3,7 @@
 Theory of operation: each free piece has the set of points it can still take. Placing
 one removes from the others' sets what its room and the requirements forbid there. The
 piece with the fewest points left is placed next. First come some random attempts, each with a
-small budget of placements; then a systematic search in scan order, which skips
+small share of the budget; then a systematic search in scan order, which skips
 arrangements that differ only by swapping equal pieces and cuts off wherever fewer
 one-block tiles are left than pieces (`masks.crowding_tiles`). If that comes to its end,
 there is no layout; if its budget is used up first, the answer is open.
@@ -23,8 +23,9 @@ from dsl.program import Distance, Gap, Region, Requirement, World
 ATTEMPTS = 24
 """Random attempts before the systematic search."""
 
-BUDGET = 20_000
-"""Placements that the systematic search of a running task tries."""
+BUDGET = 400_000
+"""Work of the search of a running task, in narrowed sets of points: well under a second.
+At most half of it goes into random attempts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class Outcome:
 
 
 class _BudgetUsedUp(Exception):
-    """The search has made all the placements it may."""
+    """The search has narrowed as many sets of points as it may."""
 
 
 class Search:
@@ -68,7 +69,8 @@ class Search:
                 for i in self._free:
                     self._domains[i] &= ~self._forbidden(piece, pieces[i], bit)
         self._ways = self._tilings()
-        self._placements = 0
+        self._work = 0
+        self._limit = 0
 
     def points_left(self, index: int) -> list[tuple[int, int]]:
         """Return the points that a free piece could take beside the settled ones."""
@@ -96,15 +98,17 @@ class Search:
             self._domains
         ):
             return Outcome("impossible")
+        self._work = 0
+        count = len(self._free)
         for _ in range(ATTEMPTS):
+            self._limit = min(self._work + (2 * count + 20) * count, budget // 2)
             try:
-                found = self._place(self._domains, {}, draws, 2 * len(self._free) + 20)
+                return self._outcome(self._place(self._domains, {}, draws))
             except _BudgetUsedUp:
                 continue
-            return self._outcome(found)
-        self._placements = 0
+        self._limit = budget
         try:
-            return self._outcome(self._place(self._domains, {}, None, budget))
+            return self._outcome(self._place(self._domains, {}, None))
         except _BudgetUsedUp:
             return Outcome("open")
 
@@ -121,24 +125,22 @@ class Search:
         )
 
     def _place(
-        self, domains: dict[int, int], placed: dict[int, int], draws: Draws | None, budget: int
+        self, domains: dict[int, int], placed: dict[int, int], draws: Draws | None
     ) -> dict[int, int] | None:
         """Place the pieces that have a domain; None when that is impossible.
 
         Draws are None in the systematic search.
 
         Raises:
-            _BudgetUsedUp: Too many placements were tried.
+            _BudgetUsedUp: The work has reached its limit.
         """
-        if not placed:
-            self._placements = 0
         if not domains:
             return placed
         index = min(domains, key=lambda i: (domains[i].bit_count(), i))
         choices = masks.bits(domains[index])
         while choices:
-            self._placements += 1
-            if self._placements > budget:
+            self._work += len(domains)
+            if self._work > self._limit:
                 raise _BudgetUsedUp
             if draws is None:
                 bit = choices.pop(0)
@@ -148,7 +150,7 @@ class Search:
                 bit = choices.pop()
             rest = self._narrowed(domains, index, bit, is_systematic=draws is None)
             if rest is not None:
-                found = self._place(rest, {**placed, index: bit}, draws, budget)
+                found = self._place(rest, {**placed, index: bit}, draws)
                 if found is not None:
                     return found
         return None

@@ -149,7 +149,7 @@ def test_the_blame_names_the_fixed_blocks_when_nothing_is_left() -> None:
 def test_a_hopeless_search_ends_within_its_budget(count: int) -> None:
     rules: list[Requirement] = [distance("red", "red", "<=", 9), gap(2)]
     search = Search(World(40, 40), [block()] * count, rules)
-    assert search.run(Draws(1), budget=300).verdict in ("impossible", "open")
+    assert search.run(Draws(1), budget=3000).verdict in ("impossible", "open")
 
 
 def test_crossing_bridges_are_placed_around_each_other() -> None:
