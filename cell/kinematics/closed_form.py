@@ -18,6 +18,7 @@ from __future__ import annotations
 from math import atan2, cos, degrees, pi, radians, sin, sqrt
 from typing import TypeAlias
 
+from cell.errors import CellError
 from cell.kinematics.flags import ABOVE, NON_FLIP, RIGHT
 from cell.kinematics.geometry import SixAxisGeometry
 from cell.kinematics.rotation import Matrix34
@@ -36,7 +37,7 @@ _OVERREACH = 1e-9
 """How far cos γ may pass ±1 by rounding."""
 
 
-class OutOfReach(ValueError):
+class OutOfReach(CellError):
     """The wrist's centre is too far from the shoulder or too near; carries no text."""
 
 

@@ -91,19 +91,25 @@ class BlockField:
             is_round=kind.shape == "cylinder",
         )
 
-    def push(self, tool: Polygon, low_mm: float, *, spare: str | None = None) -> None:
-        """Push every block out of a tool's outline that reaches down to `low_mm`.
+    def push(self, tool: Footprint, low_mm: float, *, spare: str | None = None) -> None:
+        """Push every block out of a tool's footprint that reaches down to `low_mm`.
 
         Args:
-            tool: Outline of what pushes.
+            tool: Footprint of what pushes.
             low_mm: Height of its lower end.
             spare: A block that hangs between the fingers and is not pushed.
         """
+        outline: Polygon | None = None
         for name in list(self._blocks):
             block = self._blocks[name]
             if name == spare or low_mm >= self.top_mm(block) - 1.0:
                 continue
-            shift = push_out(self.footprint(block).polygon(), tool)
+            footprint = self.footprint(block)
+            distance_mm = math.hypot(block.x_mm - tool.x_mm, block.y_mm - tool.y_mm)
+            if distance_mm > tool.radius_mm + footprint.radius_mm:
+                continue
+            outline = outline or tool.polygon()
+            shift = push_out(footprint.polygon(), outline)
             if shift is not None:
                 self._slide(name, shift)
                 self._spread(name, spare)
@@ -152,14 +158,16 @@ class BlockField:
             if not pushers:
                 return
             pusher = self._blocks[pushers.pop()]
-            outline = self.footprint(pusher).polygon()
-            reach = math.hypot(self.kind(pusher).length_mm, self.kind(pusher).width_mm)
+            own = self.footprint(pusher)
+            outline = own.polygon()
             for name, other in list(self._blocks.items()):
                 if name in (pusher.block, spare) or not self._share_height(pusher, other):
                     continue
-                if math.hypot(other.x_mm - pusher.x_mm, other.y_mm - pusher.y_mm) > 2 * reach:
+                footprint = self.footprint(other)
+                distance_mm = math.hypot(other.x_mm - pusher.x_mm, other.y_mm - pusher.y_mm)
+                if distance_mm > own.radius_mm + footprint.radius_mm:
                     continue
-                shift = push_out(self.footprint(other).polygon(), outline)
+                shift = push_out(footprint.polygon(), outline)
                 if shift is not None:
                     self._slide(name, shift)
                     pushers.append(name)

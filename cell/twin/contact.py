@@ -58,6 +58,11 @@ class Footprint:
             )
         )
 
+    @property
+    def radius_mm(self) -> float:
+        """Radius of a circle about the centre that holds the outline."""
+        return 0.5 * math.hypot(self.length_mm, self.width_mm)
+
     def contains(self, x_mm: float, y_mm: float) -> bool:
         """Return whether a point lies inside."""
         dx, dy = x_mm - self.x_mm, y_mm - self.y_mm

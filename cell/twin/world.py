@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from cell.clock import Clock
-from cell.geometry import JointAngles, Pose, Transform
+from cell.geometry import JointAngles, Pose
 from cell.profile import Profile
 from cell.twin.blocks import BlockField, TwinBlock
 from cell.twin.bodies import FingerMotion, JointPath, JointTuple
@@ -300,9 +300,11 @@ class World:
         return self._tool_pose
 
     def _jaw(self, tool: Pose) -> Jaw:
-        """Return the fingers seen from above for a tool that points down."""
-        rotation = Transform.from_pose(tool).rotation
-        ax, ay = float(rotation[0, 1]), float(rotation[1, 1])
+        """Return the fingers seen from above; they close along the tool's y axis."""
+        a, b, c = (math.radians(v) for v in (tool.a_deg, tool.b_deg, tool.c_deg))
+        sa, ca, sb = math.sin(a), math.cos(a), math.sin(b)
+        ax = math.cos(c) * sb * sa - math.sin(c) * ca
+        ay = math.sin(c) * sb * sa + math.cos(c) * ca
         length = math.hypot(ax, ay) or 1.0
         return Jaw(
             x_mm=tool.x_mm,
@@ -463,7 +465,7 @@ class World:
         held = self.held
         spare = held.block if held is not None else None
         for finger in self._jaw(tool).fingers(opening_mm):
-            self.blocks.push(finger.polygon(), low_mm, spare=spare)
+            self.blocks.push(finger, low_mm, spare=spare)
         if held is not None:
             carried = self._carried(self.blocks.get(held.block), held, tool)
             kind = self._profile.blocks[carried.kind]
@@ -475,7 +477,7 @@ class World:
                 width_mm=kind.width_mm,
                 is_round=kind.shape == "cylinder",
             )
-            self.blocks.push(outline.polygon(), carried.z_mm, spare=spare)
+            self.blocks.push(outline, carried.z_mm, spare=spare)
 
 
 def _unreferenced() -> bool:
