@@ -64,7 +64,7 @@ def _gradient(top: tuple[int, int, int], bottom: tuple[int, int, int]) -> NDArra
 
 
 def _bytes(pixels: NDArray[np.floating]) -> Picture:
-    return np.clip(np.rint(pixels), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(np.rint(pixels), 0, 255), np.uint8)
 
 
 def _waves(seed: int, octaves: int, cells: int) -> NDArray[np.float32]:
@@ -79,7 +79,7 @@ def _waves(seed: int, octaves: int, cells: int) -> NDArray[np.float32]:
         total += weight * grown
         weight *= 0.5
     total -= total.min()
-    return total / total.max()
+    return np.asarray(total / total.max(), np.float32)
 
 
 # --- mash: the cell's name in toy blocks ---------------------------------------------------
@@ -94,12 +94,12 @@ _LETTERS = {
 
 def _mash() -> Picture:
     """Draw the word MASH laid out in coloured toy blocks on a pale lattice."""
-    pixels = _bytes(_gradient((232, 238, 244), (198, 212, 226)))
+    pixels = _bytes(_gradient((176, 184, 194), (142, 158, 174)))
     step = 76
     for x in range(0, WIDTH_PX + 1, step):
-        cv2.line(pixels, (x, 0), (x, HEIGHT_PX), (182, 198, 214), 2)
+        cv2.line(pixels, (x, 0), (x, HEIGHT_PX), (128, 146, 164), 2)
     for y in range(-12, HEIGHT_PX + 1, step):
-        cv2.line(pixels, (0, y), (WIDTH_PX, y), (182, 198, 214), 2)
+        cv2.line(pixels, (0, y), (WIDTH_PX, y), (128, 146, 164), 2)
     generator = np.random.default_rng(11)
     left, top = step, step * 5 - 12
     for place, letter in enumerate("MASH"):
@@ -167,7 +167,7 @@ def _water() -> Picture:
     deep = np.array([6, 78, 132], np.float32)
     shallow = np.array([30, 150, 190], np.float32)
     floor = deep * (1 - depth) + shallow * depth
-    return _bytes(floor * (0.55 + 0.55 * light[..., None]) + 46 * (light[..., None] ** 2))
+    return _bytes(floor * (0.55 + 0.42 * light[..., None]) + 22 * (light[..., None] ** 2))
 
 
 # --- forest: conifers in the mist -----------------------------------------------------------
@@ -175,20 +175,22 @@ def _water() -> Picture:
 
 def _forest() -> Picture:
     """Draw rows of conifers, the farther the paler, under a morning sky."""
-    pixels = _gradient((246, 226, 190), (176, 204, 196))
-    y, x = np.mgrid[0:HEIGHT_PX, 0:WIDTH_PX].astype(np.float32)
-    distance = np.hypot(x - 1330, y - 250)
-    pixels += (90 * np.exp(-((distance / 330) ** 2)))[..., None] * np.array([1, 0.86, 0.6])
+    pixels = _gradient((186, 168, 146), (134, 158, 152))
+    across = np.exp(-(((np.arange(WIDTH_PX, dtype=np.float32) - 1330) / 330) ** 2))
+    down = np.exp(-(((np.arange(HEIGHT_PX, dtype=np.float32) - 250) / 330) ** 2))
+    pixels += np.outer(down, across)[..., None] * np.array([62, 53, 37], np.float32)
+    height = np.linspace(0, 1, HEIGHT_PX)
+    haze = np.array([160, 172, 160], np.float32)
     generator = np.random.default_rng(21)
     rows = 6
     for row in range(rows):
         nearness = row / (rows - 1)
-        mist = np.array([182, 204, 198]) * (1 - nearness) + np.array([12, 38, 26]) * nearness
-        mask = _row_of_trees(generator, nearness)
-        cover = mask[..., None]
-        fade = np.clip((y / HEIGHT_PX - 0.35 - 0.1 * row) * 0.8, 0, 0.5)[..., None] * (1 - nearness)
-        colour = mist * (1 - fade) + np.array([206, 216, 202]) * fade
-        pixels = pixels * (1 - cover) + colour * cover
+        far, near = np.array([140, 162, 158], np.float32), np.array([16, 52, 34], np.float32)
+        mist = far + np.float32(nearness) * (near - far)
+        cover = _row_of_trees(generator, nearness)[..., None]
+        lift = np.clip((height - 0.35 - 0.1 * row) * 0.8, 0, 0.5) * (1 - nearness)
+        colour = mist + lift[:, None, None].astype(np.float32) * (haze - mist)
+        pixels += cover * (colour - pixels)
     pixels *= (0.96 + 0.08 * _waves(22, 4, 24))[..., None]
     return _bytes(pixels)
 
@@ -211,7 +213,7 @@ def _row_of_trees(generator: np.random.Generator, nearness: float) -> NDArray[np
         tall = size * generator.uniform(0.6, 1.1)
         _conifer(mask, generator, x, foot, tall)
         x += size * generator.uniform(0.13, 0.36)
-    return mask.astype(np.float32) / 255
+    return np.asarray(mask, np.float32) / np.float32(255)
 
 
 def _conifer(

@@ -75,17 +75,17 @@ def place(
     takes_glare: bool = False,
 ) -> Figure:
     """Return a solid at a place, in a colour."""
-    corners = solid.vertices_mm @ rotation.T + place_mm
+    turn = rotation.T
     return Figure(
         solid=solid,
         rotation=rotation,
         place_mm=place_mm,
         colour=colour,
         gloss=gloss,
-        corners_mm=corners,
-        normals=solid.normals @ rotation.T,
-        centres_mm=solid.centres_mm @ rotation.T + place_mm,
-        middle_mm=(corners.min(axis=0) + corners.max(axis=0)) / 2,
+        corners_mm=solid.vertices_mm @ turn + place_mm,
+        normals=solid.normals @ turn,
+        centres_mm=solid.centres_mm @ turn + place_mm,
+        middle_mm=solid.middle_mm @ turn + place_mm,
         takes_glare=takes_glare,
     )
 
@@ -128,13 +128,14 @@ def arm_figures(points: LinkPoints, surface_mm: float) -> tuple[Figure, ...]:
     upright = np.stack([radial, side, np.array([0.0, 0.0, 1.0])], axis=1)
     still = np.eye(3)
     floor = np.array([0.0, 0.0, surface_mm])
+    motor_box = taper((120, 150), (110, 130), 150.0)
     figures = [
         place(taper((300, 300), (270, 270), 70.0, 0.2), still, floor, _COVER),
         place(frustum(124, 112, 110.0), still, floor + (0, 0, 70.0), _CAST),
-        place(taper((250, 230), (220, 215), 120.0), upright, np.array([0, 0, surface_mm + 180]), _CAST),
-        place(taper((120, 150), (110, 130), 150.0), upright, np.array([0, 0, surface_mm + 300.0]) - radial * 75, _COVER),
+        place(taper((250, 230), (220, 215), 120.0), upright, floor + (0, 0, 180.0), _CAST),
+        place(motor_box, upright, floor + (0, 0, 300.0) - radial * 75, _COVER),
         *_drum(shoulder, side, 92.0, 104.0, 66.0),
-    ]  # fmt: skip
+    ]
     upper = _frame(elbow - shoulder, side)
     length = float(np.linalg.norm(elbow - shoulder))
     figures += _bar(shoulder, upper, (0.0, length), (168, 132), (122, 116), pieces=2)

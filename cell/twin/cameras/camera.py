@@ -347,7 +347,8 @@ def _half_levels(
     exposure: Exposure,
 ) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]:
     def levels(light: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.uint8]:
-        return np.clip(np.rint(exposure.linear(light) / HEADROOM), 0, 255).astype(np.uint8)
+        half = np.rint(exposure.linear(light) / HEADROOM)
+        return np.asarray(np.clip(half, 0, 255), np.uint8)
 
     return levels
 

@@ -33,7 +33,7 @@ table (Dubec 2011, 5.6) under the cell's lamps."""
 _BEZEL_MM = 16.0
 _SHEET_PX_MM = 0.5
 _SHEET_SIZE_MM = (552.0, 368.0)
-_TABLE = np.array([0.55, 0.535, 0.50], np.float32)
+_TABLE = np.array([0.64, 0.63, 0.60], np.float32)
 _BEZEL = np.array([0.045, 0.045, 0.05], np.float32)
 _GLASS = np.array([0.058, 0.062, 0.07], np.float32)
 _FLOOR = np.array([0.30, 0.31, 0.33], np.float32)
@@ -99,8 +99,7 @@ class Ground:
     def panel_cover(self, x_mm: Plane, y_mm: Plane, px_mm: Plane | float) -> Plane:
         """Return how much of each point's pixel the panel covers, 0..1."""
         along, below = self.panel_mm(x_mm, y_mm)
-        cover = _inside(along, below, *self.panel_size_mm(), px_mm, 0.0)
-        return cover
+        return _inside(along, below, *self.panel_size_mm(), px_mm, 0.0)
 
     def _sheet_mm(self, x_mm: Plane, y_mm: Plane) -> tuple[Plane, Plane]:
         angle = math.radians(self.store.angle_deg)
@@ -172,7 +171,7 @@ def _grain() -> Plane:
     wrapped = np.pad(speckle, 32, mode="wrap")
     fine = cv2.GaussianBlur(wrapped, (0, 0), 0.9)[32:-32, 32:-32]
     coarse = cv2.GaussianBlur(wrapped, (0, 0), 7.0)[32:-32, 32:-32]
-    grain = 1.0 + 0.035 * fine / fine.std() + 0.015 * coarse / coarse.std()
+    grain = 1.0 + 0.022 * fine / fine.std() + 0.006 * coarse / coarse.std()
     return np.asarray(grain, np.float32)
 
 

@@ -1,10 +1,10 @@
 """Light of the cell: what lamps, screen and paint send towards a camera.
 
 Light is counted in nominal levels (see `sensor`). A matt face of reflectance 1 that
-looks straight up under the lamps gives `WHITE_LEVEL`; the screen's white is more
-than twice that, so it clips in every camera at its default settings, as a
-television does beside paper. Faces beside a lit screen catch half of its light;
-seen at a flat angle, they also mirror it (Schlick's approximation of Fresnel).
+looks straight up under the lamps gives `WHITE_LEVEL`; the screen's white is twice
+that, so it clips in every camera at its default settings, as a television does beside
+paper. Faces beside a lit screen catch half of its light; seen at a flat angle, they
+also mirror it (Schlick's approximation of Fresnel).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from cell.pictures import picture
 from cell.profile import DisplayProfile
 
 WHITE_LEVEL = 250.0
-SCREEN_WHITE_LEVEL = 590.0
-"""A panel of 350 cd/m² beside paper under 450 lx (143 cd/m²)."""
+SCREEN_WHITE_LEVEL = 540.0
+"""A panel of 350 cd/m² beside white paper under 510 lx (162 cd/m²)."""
 
 SCREEN_LEAK_LEVEL = 5.0
 """What shows of the backlight where the picture is black."""
@@ -140,4 +140,4 @@ def shade(
     cosine = np.clip(np.einsum("ij,ij->i", normals, to_camera), 0.0, 1.0)
     mirror = gloss * (_MIRROR + (1.0 - _MIRROR) * (1.0 - cosine) ** 5)
     downward = 2.0 * cosine * normals[:, 2] - to_camera[:, 2] < 0.0
-    return matt + screen * (mirror * reach * downward)[:, None]
+    return np.asarray(matt + screen * (mirror * reach * downward)[:, None])

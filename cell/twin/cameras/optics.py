@@ -59,7 +59,7 @@ class Lens:
         normal = points_mm[:, :2] / points_mm[:, 2:]
         squared = np.minimum(np.einsum("ij,ij->i", normal, normal), self._fold_radius_squared())
         factor = self.focal_px * (1.0 + squared * (self.k1 + self.k2 * squared))
-        return normal * factor[:, None] + (self.centre_u_px, self.centre_v_px)
+        return np.asarray(normal * factor[:, None] + (self.centre_u_px, self.centre_v_px))
 
     def undistort(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return normalised coordinates (n, 2) of pixels (n, 2): the inverse of `project`.
@@ -74,14 +74,16 @@ class Lens:
             value = radius * (1.0 + squared * (self.k1 + self.k2 * squared)) - target
             slope = 1.0 + squared * (3.0 * self.k1 + 5.0 * self.k2 * squared)
             radius -= value / np.maximum(slope, 0.05)
-        ratio = np.divide(radius, target, out=np.ones_like(radius), where=target > 0)
-        return distorted * ratio[:, None]
+        ratio: NDArray[np.float64] = np.divide(
+            radius, target, out=np.ones_like(radius), where=target > 0
+        )
+        return np.asarray(distorted * ratio[:, None])
 
     def brightness(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the share of light that reaches pixels (n, 2): 1 at the centre."""
         offset = pixels - (self.centre_u_px, self.centre_v_px)
         corner = (self.width_px / 2) ** 2 + (self.height_px / 2) ** 2
-        return 1.0 - self.vignetting * np.einsum("ij,ij->i", offset, offset) / corner
+        return np.asarray(1.0 - self.vignetting * np.einsum("ij,ij->i", offset, offset) / corner)
 
     def _fold_radius_squared(self) -> float:
         """Return 90 % of the squared radius at which the distortion polynomial turns back."""
@@ -132,7 +134,7 @@ def spread(coarse: NDArray[np.float32], lens: Lens) -> NDArray[np.float32]:
     pad_v = lens.height_px // _grid_size(lens)[1]
     size = (lens.width_px + 2 * pad_u, lens.height_px + 2 * pad_v)
     full = cv2.resize(coarse, size, interpolation=cv2.INTER_LINEAR)
-    return np.asarray(full)[pad_v:-pad_v, pad_u:-pad_u]
+    return np.asarray(full, np.float32)[pad_v:-pad_v, pad_u:-pad_u]
 
 
 @lru_cache(maxsize=8)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from statistics import NormalDist
 
 import cv2
@@ -22,12 +23,19 @@ from cell.twin.cameras.light import ScreenGlow, shade
 from cell.twin.cameras.optics import FULL_WIDTH_PX, Lens
 
 _NEAR_MM = 12.0
-_BLUR_PX = 1.1
-"""Standard deviation of the lens' blur in pixels of the full picture."""
+_BLUR_PX = 0.65
+"""Standard deviation of the blur of lens and colour mosaic in pixels of the full picture."""
+
+_FILL_GROWTH_PX = 0.68
+"""By how much OpenCV's smooth filling of a polygon reaches past its outline (measured:
+0.60 to 0.73, by direction)."""
 
 _SHIFT = 4
 _SCALE = 1 << _SHIFT
 _FAR_PX = 20000.0
+_NOTCHED_CORNERS = 20
+"""A face with more corners than this is the one with the notch."""
+
 _CLIP_LEVEL = 255.0
 _STANDARD = NormalDist()
 
@@ -70,31 +78,34 @@ def paint(
     canvas: NDArray[np.uint8], groups: Sequence[Sequence[Figure]], eye: Eye, brush: Brush
 ) -> None:
     """Draw groups of figures, each group's figures in order, far groups first."""
-    place = eye.robot_from_camera.translation_mm
-    far_first = sorted(groups, key=lambda group: -float(np.linalg.norm(_middle(group) - place)))
-    figures = [f for group in far_first for f in group if _may_be_seen(f, eye)]
-    if not figures:
-        return
-    faces = _Faces(figures, eye, brush)
-    for index in range(len(figures)):
-        faces.draw(canvas, index)
+    figures = [figure for group in groups for figure in group]
+    middles = eye.to_camera(np.array([figure.middle_mm for figure in figures]))
+    distances = np.linalg.norm(middles, axis=1)
+    is_seen = _may_be_seen(middles, np.array([f.solid.radius_mm for f in figures]), eye.lens)
+    ordered: list[tuple[float, list[Figure]]] = []
+    start = 0
+    for group in groups:
+        end = start + len(group)
+        seen = [f for f, keep in zip(group, is_seen[start:end].tolist(), strict=True) if keep]
+        if seen:
+            ordered.append((-float(distances[start:end].mean()), seen))
+        start = end
+    ordered.sort(key=lambda entry: entry[0])
+    drawn = [figure for _, group in ordered for figure in group]
+    if drawn:
+        _Faces(drawn, eye, brush).draw(canvas)
 
 
-def _middle(group: Sequence[Figure]) -> NDArray[np.float64]:
-    return group[0].middle_mm if len(group) == 1 else np.mean([f.middle_mm for f in group], axis=0)
-
-
-def _may_be_seen(figure: Figure, eye: Eye) -> bool:
-    """Return whether a figure's middle is near enough to the camera's field of view."""
-    x, y, z = eye.to_camera(figure.middle_mm[None])[0]
-    radius = float(np.abs(figure.corners_mm - figure.middle_mm).max()) * 1.75
-    if z + radius < _NEAR_MM:
-        return False
-    lens = eye.lens
+def _may_be_seen(
+    middles: NDArray[np.float64], radii: NDArray[np.float64], lens: Lens
+) -> NDArray[np.bool_]:
+    """Return which balls of the camera frame reach into the field of view."""
     wide = 0.62 * lens.width_px / lens.focal_px
     tall = 0.62 * lens.height_px / lens.focal_px
-    depth = max(z, 0.0) + radius
-    return bool(abs(x) - radius < wide * depth and abs(y) - radius < tall * depth)
+    x, y, z = middles.T
+    depth = np.maximum(z, 0.0) + radii
+    in_view = (np.abs(x) - radii < wide * depth) & (np.abs(y) - radii < tall * depth)
+    return np.asarray((z + radii > _NEAR_MM) & in_view)
 
 
 class _Faces:
@@ -103,65 +114,83 @@ class _Faces:
     def __init__(self, figures: Sequence[Figure], eye: Eye, brush: Brush) -> None:
         self._figures = figures
         self._eye = eye
-        counts = [len(f.corners_mm) for f in figures]
-        self._starts = np.concatenate([[0], np.cumsum(counts)]).tolist()
+        self._starts = _offsets([len(f.corners_mm) for f in figures])
         face_counts = [len(f.normals) for f in figures]
-        self._face_starts = np.concatenate([[0], np.cumsum(face_counts)]).tolist()
+        self._face_starts = _offsets(face_counts)
         corners = np.concatenate([f.corners_mm for f in figures])
-        camera = eye.to_camera(corners)
-        self._depth = camera[:, 2]
-        self._camera = camera
-        self._pixels = _safe_pixels(camera, eye.lens)
-        self._glare = [self._glare_px(f, brush) for f in figures]
-        self._inner = self._inset_pixels(corners)
+        self._camera = eye.to_camera(corners)
+        pixels = _safe_pixels(self._camera, eye.lens)
+        self._points = _fixed_point(pixels)
+        self._middles = np.array([f.middle_mm for f in figures])
+        around = brush.glow.around(self._middles)
+        self._glare = self._glare_px(brush.glare(around).max(axis=1))
+        self._inner = self._inset_points()
+        self._shade(figures, face_counts, brush, around)
+        first = self._starts[:-1]
+        low, high = np.minimum.reduceat(pixels, first), np.maximum.reduceat(pixels, first)
+        size = (eye.lens.width_px, eye.lens.height_px)
+        depth = self._camera[:, 2]
+        self._is_cut = (np.minimum.reduceat(depth, first) < _NEAR_MM).tolist()
+        is_out = ((high < 0) | (low > size)).any(axis=1)
+        is_behind = np.maximum.reduceat(depth, first) < _NEAR_MM
+        self._is_hidden = (is_behind | (is_out & ~np.array(self._is_cut))).tolist()
+
+    def _shade(
+        self,
+        figures: Sequence[Figure],
+        face_counts: list[int],
+        brush: Brush,
+        around: NDArray[np.float64],
+    ) -> None:
+        """Work out which faces look at the camera, and the levels of faces and rims."""
+        eye = self._eye
         normals = np.concatenate([f.normals for f in figures])
         centres = np.concatenate([f.centres_mm for f in figures])
         towards = eye.robot_from_camera.translation_mm - centres
-        towards /= np.linalg.norm(towards, axis=1)[:, None]
-        self._is_seen = (np.einsum("ij,ij->i", normals, towards) > 0.0).tolist()
+        towards /= np.sqrt(np.einsum("ij,ij->i", towards, towards))[:, None]
+        facing = np.einsum("ij,ij->i", normals, towards) > 0.0
+        self._is_seen = facing.tolist()
         colours = np.repeat(np.array([f.colour for f in figures]), face_counts, axis=0)
         gloss = np.repeat(np.array([f.gloss for f in figures]), face_counts)
         light = shade(
-            colours, gloss, normals, centres, towards, brush.glow,
-            are_lights_on=brush.are_lights_on,
+            colours[facing], gloss[facing], normals[facing], centres[facing], towards[facing],
+            brush.glow, are_lights_on=brush.are_lights_on,
         )  # fmt: skip
-        where = _safe_pixels(eye.to_camera(centres), eye.lens)
-        self._levels = brush.expose(light, where).tolist()
-        middles = np.array([f.middle_mm for f in figures])
-        rim = 0.5 * brush.glow.around(middles)
-        where = _safe_pixels(eye.to_camera(middles), eye.lens)
-        self._rim_levels = brush.expose(rim, where).astype(int).tolist()
-        low = np.minimum.reduceat(self._pixels, self._starts[:-1])
-        high = np.maximum.reduceat(self._pixels, self._starts[:-1])
-        size = (eye.lens.width_px, eye.lens.height_px)
-        near = np.minimum.reduceat(self._depth, self._starts[:-1])
-        self._is_cut = (near < _NEAR_MM).tolist()
-        self._is_out = (((high < 0) | (low > size)).any(axis=1)).tolist()
+        where = _safe_pixels(eye.to_camera(centres[facing]), eye.lens)
+        levels = np.zeros((len(normals), 3), np.uint8)
+        levels[facing] = brush.expose(light, where)
+        self._levels = levels.tolist()
+        where = _safe_pixels(eye.to_camera(self._middles), eye.lens)
+        self._rim_levels = brush.expose(0.5 * around, where).tolist()
 
-    def draw(self, canvas: NDArray[np.uint8], index: int) -> None:
-        """Draw one figure."""
+    def draw(self, canvas: NDArray[np.uint8]) -> None:
+        """Draw the figures in their order."""
+        for index, figure in enumerate(self._figures):
+            if self._is_hidden[index]:
+                continue
+            if self._is_cut[index]:
+                self._draw_cut(canvas, index)
+            else:
+                if figure.solid.is_smooth:
+                    self._underlay(canvas, index)
+                self._draw_whole(canvas, index)
+
+    def _draw_whole(self, canvas: NDArray[np.uint8], index: int) -> None:
         figure = self._figures[index]
-        is_cut = self._is_cut[index]
-        if self._is_out[index] and not is_cut:
-            return
         start, first = self._starts[index], self._face_starts[index]
-        if figure.solid.is_smooth and not is_cut:
-            self._underlay(canvas, index)
-        for number, face in enumerate(figure.solid.faces):
+        points = self._points
+        for number, (low, high) in enumerate(figure.solid.spans):
             if not self._is_seen[first + number]:
                 continue
             level = self._levels[first + number]
-            corners = slice(start + face[0], start + face[-1] + 1)
-            if is_cut:
-                self._draw_cut(canvas, corners, level)
-                continue
-            outline = self._pixels[corners]
-            if figure.solid.is_top[number] and self._glare[index] > 0.0:
-                rim = [min(255, a + b) for a, b in zip(level, self._rim_levels[index], strict=True)]
-                _fill(canvas, outline, rim)
-                outline = self._inner[corners]
-            if figure.solid.is_notched and len(face) > 20:
-                _fill_notched(canvas, outline, level)
+            outline = points[start + low : start + high]
+            if figure.takes_glare and figure.solid.is_top[number]:
+                if self._glare[index] > 0.0:
+                    both = zip(level, self._rim_levels[index], strict=True)
+                    _fill(canvas, outline, [min(255, face + rim) for face, rim in both])
+                outline = self._inner[start + low : start + high]
+            if figure.solid.is_notched and high - low > _NOTCHED_CORNERS:
+                cv2.fillPoly(canvas, [outline], level, cv2.LINE_AA, _SHIFT)
             else:
                 _fill(canvas, outline, level)
 
@@ -169,66 +198,83 @@ class _Faces:
         """Fill a round solid's silhouette first, so that no seam between facets shows."""
         first, end = self._face_starts[index], self._face_starts[index + 1]
         seen = [self._levels[f] for f in range(first, end) if self._is_seen[f]]
-        if not seen:
-            return
-        level = [sum(channel) // len(seen) for channel in zip(*seen, strict=True)]
-        points = self._pixels[self._starts[index] : self._starts[index + 1]]
-        hull = cv2.convexHull(points.astype(np.float32))[:, 0]
-        _fill(canvas, np.asarray(hull, np.float64), level)
+        if seen:
+            level = [sum(channel) // len(seen) for channel in zip(*seen, strict=True)]
+            points = self._points[self._starts[index] : self._starts[index + 1]]
+            _fill(canvas, np.asarray(cv2.convexHull(points), np.int32), level)
 
-    def _draw_cut(self, canvas: NDArray[np.uint8], corners: slice, level: list[int]) -> None:
-        """Draw the part of a face that lies in front of the near plane."""
-        points = self._camera[corners]
-        kept: list[NDArray[np.float64]] = []
-        for here, after in zip(points, np.roll(points, -1, axis=0), strict=True):
-            if here[2] >= _NEAR_MM:
-                kept.append(here)
-            if (here[2] >= _NEAR_MM) != (after[2] >= _NEAR_MM):
-                kept.append(here + (after - here) * ((_NEAR_MM - here[2]) / (after[2] - here[2])))
-        if len(kept) > 2:
-            _fill(canvas, self._eye.lens.project(np.array(kept)), level)
+    def _draw_cut(self, canvas: NDArray[np.uint8], index: int) -> None:
+        """Draw the parts of a figure's faces that lie in front of the near plane."""
+        start, first = self._starts[index], self._face_starts[index]
+        for number, (low, high) in enumerate(self._figures[index].solid.spans):
+            if self._is_seen[first + number]:
+                kept = _in_front(self._camera[start + low : start + high])
+                if len(kept) > 2:
+                    points = _fixed_point(self._eye.lens.project(np.array(kept)))
+                    _fill(canvas, points, self._levels[first + number])
 
-    def _glare_px(self, figure: Figure, brush: Brush) -> float:
-        """Return how many pixels of its edge a block loses to the glare around it.
+    def _glare_px(self, around: NDArray[np.float32]) -> list[float]:
+        """Return how many pixels of its edge each block loses to the glare around it.
 
         The edge appears where the blurred step from the face to the surroundings
         passes half of what the sensor can show.
         """
-        if not figure.takes_glare:
-            return 0.0
-        around = float(brush.glare(brush.glow.around(figure.middle_mm[None])).max())
-        if around <= _CLIP_LEVEL:
-            return 0.0
-        lens_scale = self._eye.lens.width_px / FULL_WIDTH_PX
-        return _BLUR_PX * lens_scale * _STANDARD.inv_cdf(1.0 - 0.5 * _CLIP_LEVEL / around)
+        scale = _BLUR_PX * self._eye.lens.width_px / FULL_WIDTH_PX
+        return [
+            scale * _STANDARD.inv_cdf(1.0 - 0.5 * _CLIP_LEVEL / level)
+            if figure.takes_glare and level > _CLIP_LEVEL
+            else 0.0
+            for figure, level in zip(self._figures, around.tolist(), strict=True)
+        ]
 
-    def _inset_pixels(self, corners: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return pixels of all corners with those of glared top faces moved inwards."""
-        if not any(self._glare):
-            return self._pixels
-        moved = corners.copy()
-        for index, glare_px in enumerate(self._glare):
-            if glare_px > 0.0:
-                figure, part = self._figures[index], slice(*self._starts[index : index + 2])
-                mm = glare_px * max(float(self._depth[part].mean()), 1.0) / self._eye.lens.focal_px
-                moved[part] += figure.solid.inset @ figure.rotation.T * mm
-        return _safe_pixels(self._eye.to_camera(moved), self._eye.lens)
+    def _inset_points(self) -> NDArray[np.int32]:
+        """Return all corners in fixed point, those of blocks' top faces moved inwards.
+
+        They give way to glare, and to what filling adds.
+        """
+        moved = self._camera.copy()
+        inverse = self._eye.robot_from_camera.rotation
+        for index, (figure, glare_px) in enumerate(zip(self._figures, self._glare, strict=True)):
+            if figure.takes_glare:
+                part = slice(*self._starts[index : index + 2])
+                depth_mm = max(float(self._camera[part.start, 2]), 1.0)
+                inset_mm = (glare_px + _FILL_GROWTH_PX) * depth_mm / self._eye.lens.focal_px
+                moved[part] += figure.solid.inset @ (figure.rotation.T @ inverse * inset_mm)
+        return _fixed_point(_safe_pixels(moved, self._eye.lens))
+
+
+def _offsets(counts: list[int]) -> list[int]:
+    return [0, *accumulate(counts)]
+
+
+def _in_front(points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Return a polygon of the camera frame cut at the near plane."""
+    kept: list[NDArray[np.float64]] = []
+    is_front = (points[:, 2] >= _NEAR_MM).tolist()
+    if not any(is_front):
+        return kept
+    for index, here in enumerate(points):
+        after = (index + 1) % len(points)
+        if is_front[index]:
+            kept.append(here)
+        if is_front[index] != is_front[after]:
+            step = points[after] - here
+            kept.append(here + step * ((_NEAR_MM - here[2]) / step[2]))
+    return kept
 
 
 def _safe_pixels(camera: NDArray[np.float64], lens: Lens) -> NDArray[np.float64]:
     """Project points, those behind the near plane as if they lay on it."""
-    safe = camera.copy()
-    safe[:, 2] = np.maximum(safe[:, 2], _NEAR_MM)
-    return np.clip(lens.project(safe), -_FAR_PX, _FAR_PX)
+    if camera[:, 2].min() < _NEAR_MM:
+        camera = camera.copy()
+        camera[:, 2] = np.maximum(camera[:, 2], _NEAR_MM)
+    return lens.project(camera)
 
 
-def _fill(canvas: NDArray[np.uint8], outline: NDArray[np.float64], level: Sequence[int]) -> None:
-    points = np.rint(np.clip(outline, -_FAR_PX, _FAR_PX) * _SCALE).astype(np.int32)
-    cv2.fillConvexPoly(canvas, points, level, cv2.LINE_AA, _SHIFT)
+def _fixed_point(pixels: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Return pixels in the sixteenths that OpenCV's filling takes."""
+    return np.rint(np.clip(pixels, -_FAR_PX, _FAR_PX) * _SCALE).astype(np.int32)
 
 
-def _fill_notched(
-    canvas: NDArray[np.uint8], outline: NDArray[np.float64], level: Sequence[int]
-) -> None:
-    points = np.rint(np.clip(outline, -_FAR_PX, _FAR_PX) * _SCALE).astype(np.int32)
-    cv2.fillPoly(canvas, [points], level, cv2.LINE_AA, _SHIFT)
+def _fill(canvas: NDArray[np.uint8], outline: NDArray[np.int32], level: Sequence[int]) -> None:
+    cv2.fillConvexPoly(canvas, outline, level, cv2.LINE_AA, _SHIFT)

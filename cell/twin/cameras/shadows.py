@@ -42,7 +42,7 @@ def cast_shadows(
         place = np.array([[block.x_mm, block.y_mm, surface_mm]])
         around = float(glow.around(place).max())
         strength = _STRENGTH * math.exp(-above / _FADE_MM) * _LIT_LEVEL / (_LIT_LEVEL + around)
-        if strength >= 0.02:
+        if strength >= 0.04:
             _cast(canvas, block, sizes[block.kind], surface_mm, above, eye, strength)
 
 
@@ -90,4 +90,4 @@ def _foot(block: SceneBlock, size: BlockProfile, surface_mm: float) -> NDArray[n
         half = np.array([size.length_mm / 2 + _GROW_MM, size.width_mm / 2 + _GROW_MM])
         local = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
     place = local @ np.array([[cos, sin], [-sin, cos]]) + (block.x_mm, block.y_mm) + _SHIFT_MM
-    return np.c_[place, np.full(len(place), surface_mm)]
+    return np.column_stack([place, np.full(len(place), surface_mm)])

@@ -19,7 +19,7 @@ Colour = tuple[float, float, float]
 """Reflectance R G B, 0..1."""
 
 _DIVIDE_MM = 17.0
-_ROUND_FACETS = 28
+_ROUND_FACETS = 24
 _ARCH_STEPS = 10
 
 
@@ -31,29 +31,34 @@ class Solid:
         vertices_mm: Corners, (n, 3).
         inset: Directions (n, 3) in which corners of the top face give way to the glare
             of a bright surrounding; zero for all others.
-        faces: Indices of each face's corners, counter-clockwise seen from outside.
+        spans: First corner of each face and the one after its last; corners go
+            counter-clockwise seen from outside.
         normals: Outward unit normals, (m, 3).
         centres_mm: Centres of the faces, (m, 3).
         is_top: Faces that give way to glare.
         is_notched: Whether any face is not convex.
         is_smooth: Whether the faces approximate a round surface.
+        middle_mm: Middle of the bounding box, (3,).
+        radius_mm: Greatest distance of a corner from the middle.
     """
 
     vertices_mm: NDArray[np.float64]
     inset: NDArray[np.float64]
-    faces: tuple[tuple[int, ...], ...]
+    spans: tuple[tuple[int, int], ...]
     normals: NDArray[np.float64]
     centres_mm: NDArray[np.float64]
     is_top: tuple[bool, ...]
-    is_notched: bool = False
-    is_smooth: bool = False
+    is_notched: bool
+    is_smooth: bool
+    middle_mm: NDArray[np.float64]
+    radius_mm: float
 
 
 class _Builder:
     def __init__(self) -> None:
         self.vertices: list[NDArray[np.float64]] = []
         self.inset: list[NDArray[np.float64]] = []
-        self.faces: list[tuple[int, ...]] = []
+        self.spans: list[tuple[int, int]] = []
         self.normals: list[NDArray[np.float64]] = []
         self.is_top: list[bool] = []
 
@@ -66,21 +71,24 @@ class _Builder:
         first = len(self.vertices)
         self.vertices.extend(corners)
         self.inset.extend(inset if inset is not None else [np.zeros(3)] * len(corners))
-        self.faces.append(tuple(range(first, first + len(corners))))
+        self.spans.append((first, first + len(corners)))
         self.normals.append(normal)
         self.is_top.append(inset is not None)
 
     def solid(self, *, is_notched: bool = False, is_smooth: bool = False) -> Solid:
         vertices = np.array(self.vertices)
+        middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
         return Solid(
             vertices_mm=vertices,
             inset=np.array(self.inset),
-            faces=tuple(self.faces),
+            spans=tuple(self.spans),
             normals=np.array(self.normals),
-            centres_mm=np.array([vertices[list(face)].mean(axis=0) for face in self.faces]),
+            centres_mm=np.array([vertices[start:end].mean(axis=0) for start, end in self.spans]),
             is_top=tuple(self.is_top),
             is_notched=is_notched,
             is_smooth=is_smooth,
+            middle_mm=middle,
+            radius_mm=float(np.linalg.norm(vertices - middle, axis=1).max()),
         )
 
 
@@ -167,7 +175,10 @@ def taper(
     """
     keep = 1.0 - chamfer
     outline = np.array(
-        [(1, -keep), (1, keep), (keep, 1), (-keep, 1), (-1, keep), (-1, -keep), (-keep, -1), (keep, -1)]
+        [
+            (1, -keep), (1, keep), (keep, 1), (-keep, 1),
+            (-1, keep), (-1, -keep), (-keep, -1), (keep, -1),
+        ]
     )  # fmt: skip
     low = np.c_[outline * lower_mm, np.zeros(8)] * (0.5, 0.5, 1.0)
     high = np.c_[outline * upper_mm, np.full(8, height_mm)] * (0.5, 0.5, 1.0)
@@ -181,24 +192,24 @@ def taper(
     return builder.solid()
 
 
+def _on_sphere(tilt_rad: float, turn_rad: float) -> NDArray[np.float64]:
+    cos = math.cos(tilt_rad)
+    return np.array([cos * math.cos(turn_rad), cos * math.sin(turn_rad), math.sin(tilt_rad)])
+
+
 @lru_cache(maxsize=8)
 def ball(radius_mm: float) -> Solid:
     """Return a ball about the origin."""
-    bands, facets = 8, 16
+    bands, facets = 7, 14
     tilt = np.pi * (np.arange(bands + 1) / bands - 0.5)
     turn = 2 * np.pi * np.arange(facets) / facets
     builder = _Builder()
     for band in range(bands):
         for side in range(facets):
-            corners = [
-                radius_mm * np.array([math.cos(t) * math.cos(a), math.cos(t) * math.sin(a), math.sin(t)])
-                for t, a in (
-                    (tilt[band], turn[side]),
-                    (tilt[band], turn[(side + 1) % facets]),
-                    (tilt[band + 1], turn[(side + 1) % facets]),
-                    (tilt[band + 1], turn[side]),
-                )
-            ]  # fmt: skip
+            after = turn[(side + 1) % facets]
+            lower, upper = tilt[band], tilt[band + 1]
+            places = ((lower, turn[side]), (lower, after), (upper, after), (upper, turn[side]))
+            corners = [radius_mm * _on_sphere(t, a) for t, a in places]
             centre = sum(corners) / 4.0
             builder.face(corners, np.asarray(centre / np.linalg.norm(centre)))
     return builder.solid(is_smooth=True)
