@@ -123,6 +123,16 @@ class Manipulator:
             f"({place.x_mm:.1f}, {place.y_mm:.1f}) mm"
         )
 
+    def feels_block(self, number: int) -> bool:
+        """Return whether the fingers meet a block in a slot; it is left there."""
+        place = self.slot_place(number)
+        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._approach(place, holds_block=False)
+        result = self._gripper.grip(self._profile.gripper.grip_current_a)
+        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._lift(place, holds_block=False)
+        return result.is_holding
+
     def transfer(self, slot: int, source: TablePlace | None, target: TablePlace | None) -> None:
         """Bring a block from a place to a place; None stands for its own slot.
 

@@ -22,9 +22,11 @@ from cell.geometry import JointAngles, LatticeMap, Pose
 from cell.ledger import Ledger
 from cell.manipulation import Deployment, Manipulator, Progress, no_progress
 from cell.motion.guarded import GuardedArm
+from cell.picture_cleaning import PictureCleaning, bring_home, seeing_camera
 from cell.profile import Profile
 from cell.stop import StopToken
 from cell.store import StorePlan, TablePlace
+from cell.vision import find_blocks
 
 
 class RobotCell:
@@ -231,6 +233,29 @@ class RobotCell:
     def clean_objects(self, slots: Sequence[int], progress: Progress = no_progress) -> list[int]:
         """Bring only the blocks of these slots home."""
         return self.manipulator.clean(slots, progress)
+
+    def clean_from_picture(self, progress: Progress = no_progress) -> PictureCleaning:
+        """Bring home every block that the top camera sees, wherever it was left.
+
+        The arm stands aside first; the screen shows white, then black.
+
+        Raises:
+            VisionError: No camera is mapped to the table, or screen or lights are off.
+            DeviceError: A device fails.
+        """
+        camera, plane_map = seeing_camera(self.profile)
+        self.arm.raise_to(self.profile.heights.service_mm)
+        self.arm.rest()
+        self.switch_lights(is_on=True)
+        self.show("white")
+        white = self.grab(camera).pixels
+        self.show("black")
+        black = self.grab(camera).pixels
+        seen = find_blocks(white, black)
+        cleaning = bring_home(seen, plane_map, self.manipulator, self.ledger, self.plan, progress)
+        self.arm.raise_to(self.profile.heights.service_mm)
+        self.arm.rest()
+        return cleaning
 
     def slot_of(self, kind: str, colour: str) -> tuple[int, ...]:
         """Return the numbers of the slots where blocks of a kind and colour belong."""

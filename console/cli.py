@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from console.commands import COMMANDS, overview
 from console.edge import guarded
 from console.exits import Exit
+
+if TYPE_CHECKING:
+    from cyclopts import App
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,8 +32,9 @@ def _run(words: list[str]) -> int:
     return _dispatch(words)
 
 
-def _dispatch(words: list[str]) -> int:
-    from cyclopts import App, CycloptsError
+def command_line() -> App:
+    """Return the parser of all commands; nothing of what they need is imported yet."""
+    from cyclopts import App
 
     app = App(
         name="cell",
@@ -43,8 +48,14 @@ def _dispatch(words: list[str]) -> int:
     )
     for command in COMMANDS:
         app.command(command.target, name=command.name, help=command.summary)
+    return app
+
+
+def _dispatch(words: list[str]) -> int:
+    from cyclopts import CycloptsError
+
     try:
-        result = app(words)
+        result = command_line()(words)
     except CycloptsError as error:
         sentence = " ".join(str(error).split())
         print(f"cell: {sentence}", file=sys.stderr)

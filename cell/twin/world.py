@@ -15,6 +15,7 @@ import math
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from operator import sub
 from typing import Protocol
 
 from cell.clock import Clock
@@ -451,11 +452,11 @@ class World:
         with little turning: there a path cannot sag that far.
         """
         first, last = path.at(since_s), path.at(until_s)
-        lowest_mm = min(self._tool(first).z_mm, self._tool(last).z_mm)
+        start_z_mm = self._tool(first).z_mm
+        lowest_mm = min(start_z_mm, self._tool(last).z_mm)
         if lowest_mm < clear_mm:
             return False
-        turn_deg = max(abs(a - b) for a, b in zip(first, last, strict=True))
-        if lowest_mm >= clear_mm + _HIGH_MM and turn_deg < _SMALL_TURN_DEG:
+        if lowest_mm >= clear_mm + _HIGH_MM and _most_turn_deg(first, last) < _SMALL_TURN_DEG:
             return True
         middle = path.at(0.5 * (since_s + until_s))
         return self._tool(middle).z_mm >= clear_mm + 5.0
@@ -478,6 +479,11 @@ class World:
                 is_round=kind.shape == "cylinder",
             )
             self.blocks.push(outline, carried.z_mm, spare=spare)
+
+
+def _most_turn_deg(first: JointTuple, last: JointTuple) -> float:
+    """Return how far the joint turns that turns most."""
+    return max(map(abs, map(sub, first, last)))
 
 
 def _unreferenced() -> bool:
