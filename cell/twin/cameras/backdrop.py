@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cell.geometry import Transform
 from cell.twin.cameras.ground import Ground, floor_light, is_on_table
 from cell.twin.cameras.light import UNLIT_SHARE, screen_light
-from cell.twin.cameras.optics import Lens, brightness_map, coarse_rays, pixel_rays, spread
+from cell.twin.cameras.optics import GridSpreader, Lens, brightness_map, coarse_rays, pixel_rays
 from cell.twin.cameras.sensor import Exposure
 
 HEADROOM = 2.0
@@ -132,6 +132,9 @@ class MovingBackdrop:
         self._lens = lens
         self._rays = coarse_rays(lens).reshape(-1, 3)
         self._shape = coarse_rays(lens).shape[:2]
+        self._spreader = GridSpreader(lens)
+        self._seen = np.empty((lens.height_px, lens.width_px, 4), np.uint8)
+        self._canvas = np.empty((lens.height_px, lens.width_px, 3), np.uint8)
 
     def draw(
         self,
@@ -141,7 +144,10 @@ class MovingBackdrop:
         *,
         are_lights_on: bool,
     ) -> NDArray[np.uint8]:
-        """Return exposed light (h, w, 3) over `HEADROOM`, not yet vignetted."""
+        """Return exposed light (h, w, 3) over `HEADROOM`, not yet vignetted.
+
+        The array is drawn into again by the next call.
+        """
         texture = _texture(self._ground, picture, exposure, are_lights_on)
         rays = self._rays @ robot_from_camera.rotation.T
         eye = robot_from_camera.translation_mm
@@ -150,11 +156,14 @@ class MovingBackdrop:
         place = np.empty((len(rays), 2), np.float32)
         place[:, 0] = (eye[0] + share * rays[:, 0] - left) / _TEXTURE_PX_MM - 0.5
         place[:, 1] = (eye[1] + share * rays[:, 1] - low) / _TEXTURE_PX_MM - 0.5
-        where = spread(place.reshape(*self._shape, 2), self._lens)
+        where = self._spreader.spread(place.reshape(*self._shape, 2))
         beyond = texture[0, 0].tolist()
         # Four channels run through OpenCV's vectorised path, three do not.
-        seen = cv2.remap(texture, where, None, cv2.INTER_LINEAR, borderValue=beyond)  # type: ignore[call-overload]
-        return np.asarray(cv2.cvtColor(seen, cv2.COLOR_BGRA2BGR), np.uint8)
+        cv2.remap(  # type: ignore[call-overload]
+            texture, where, None, cv2.INTER_LINEAR, dst=self._seen, borderValue=beyond
+        )
+        cv2.cvtColor(self._seen, cv2.COLOR_BGRA2BGR, dst=self._canvas)
+        return self._canvas
 
 
 def _window_mm(ground: Ground) -> tuple[float, float, float, float]:

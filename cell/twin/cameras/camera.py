@@ -94,6 +94,8 @@ class TwinCamera:
         self._mode: CameraMode | None = None
         self._lens: Lens | None = None
         self._moving: MovingBackdrop | None = None
+        self._canvas = np.empty((0, 0, 3), np.uint8)
+        self._blurred = self._canvas
         self._backdrops: dict[tuple[object, ...], NDArray[np.uint8]] = {}
         self._number = 0
         self._last: tuple[int, CameraSettings, Frame] | None = None
@@ -107,6 +109,8 @@ class TwinCamera:
         """Start in a mode, the frames counted from 1 again; return the identity."""
         self._mode = mode
         self._lens = lens_for_mode(self._placing, mode)
+        self._canvas = np.empty((mode.height_px, mode.width_px, 3), np.uint8)
+        self._blurred = np.empty_like(self._canvas)
         self._moving = None if self._is_fixed else MovingBackdrop(self._ground, self._lens)
         self._backdrops.clear()
         self._number = 0
@@ -206,7 +210,7 @@ class TwinCamera:
     def _fixed_canvas(
         self, scene: Scene, eye: Eye, exposure: Exposure, glow: ScreenGlow
     ) -> NDArray[np.uint8]:
-        """Return a fresh copy of the kept backdrop with the shadows of the blocks on it."""
+        """Return a copy of the kept backdrop with the shadows of the blocks on it."""
         place_of_camera = (*self._placing.position_mm, *self._placing.rotation_deg)
         base_key = (scene.picture, scene.are_lights_on, exposure)
         key = (*base_key, scene.blocks)
@@ -223,7 +227,8 @@ class TwinCamera:
             kept = base.copy()
             self._shadows(kept, scene, eye, glow)
             self._keep(key, kept)
-        return kept.copy()
+        np.copyto(self._canvas, kept)
+        return self._canvas
 
     def _keep(self, key: tuple[object, ...], backdrop: NDArray[np.uint8]) -> None:
         while len(self._backdrops) >= _KEPT_BACKDROPS:
@@ -289,7 +294,8 @@ class TwinCamera:
         """Return the finished picture: lens blur, vignetting, gamma, sharpness, noise."""
         picture = canvas
         if self._is_fixed:
-            picture = np.asarray(cv2.GaussianBlur(picture, _LENS_BLUR, 0), np.uint8)
+            cv2.GaussianBlur(canvas, _LENS_BLUR, 0, dst=self._blurred)
+            picture = self._blurred
         else:
             vignette = _vignette(lens)
             cv2.multiply(picture, vignette, dst=picture, scale=HEADROOM / 255.0)
@@ -369,7 +375,7 @@ def _block_figure(
 
 def _block_solid(size: BlockProfile) -> Solid:
     if size.shape == "cylinder":
-        return frustum(size.length_mm / 2, size.length_mm / 2, size.height_mm, 40)
+        return frustum(size.length_mm / 2, size.length_mm / 2, size.height_mm, 32)
     if size.arch_radius_mm > 0:
         return bridge(size.length_mm, size.width_mm, size.height_mm, size.arch_radius_mm)
     return box(size.length_mm, size.width_mm, size.height_mm)

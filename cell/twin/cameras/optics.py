@@ -23,7 +23,7 @@ FULL_WIDTH_PX = 1280
 """Width of the picture that the profile's focal length and centre speak of."""
 
 _LEAST_PITCH_PX = 16
-_NEWTON_STEPS = 12
+_NEWTON_STEPS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +114,7 @@ def lens_for_mode(profile: TwinCameraProfile, mode: CameraMode) -> Lens:
 
 @lru_cache(maxsize=16)
 def coarse_rays(lens: Lens) -> NDArray[np.float64]:
-    """Return viewing rays (rows, columns, 3), z = 1, of a grid that `spread` fills up."""
+    """Return viewing rays (rows, columns, 3), z = 1, of a grid that `GridSpreader` fills up."""
     columns, rows = _grid_size(lens)
     u = (np.arange(columns) + 0.5) * (lens.width_px / columns) - 0.5
     v = (np.arange(rows) + 0.5) * (lens.height_px / rows) - 0.5
@@ -128,13 +128,21 @@ def coarse_rays(lens: Lens) -> NDArray[np.float64]:
     return padded
 
 
-def spread(coarse: NDArray[np.float32], lens: Lens) -> NDArray[np.float32]:
-    """Interpolate values on the grid of `coarse_rays` to every pixel, shape (h, w, c)."""
-    pad_u = lens.width_px // _grid_size(lens)[0]
-    pad_v = lens.height_px // _grid_size(lens)[1]
-    size = (lens.width_px + 2 * pad_u, lens.height_px + 2 * pad_v)
-    full = cv2.resize(coarse, size, interpolation=cv2.INTER_LINEAR)
-    return np.asarray(full, np.float32)[pad_v:-pad_v, pad_u:-pad_u]
+class GridSpreader:
+    """Interpolates pairs of values on the grid of `coarse_rays` to every pixel."""
+
+    def __init__(self, lens: Lens) -> None:
+        columns, rows = _grid_size(lens)
+        self._pad_u, self._pad_v = lens.width_px // columns, lens.height_px // rows
+        height, width = lens.height_px + 2 * self._pad_v, lens.width_px + 2 * self._pad_u
+        # Fresh memory for a map costs more time than the interpolation itself.
+        self._full = np.empty((height, width, 2), np.float32)
+
+    def spread(self, coarse: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return values (h, w, 2) at every pixel, valid until the next call."""
+        height, width = self._full.shape[:2]
+        cv2.resize(coarse, (width, height), dst=self._full, interpolation=cv2.INTER_LINEAR)
+        return self._full[self._pad_v : -self._pad_v, self._pad_u : -self._pad_u]
 
 
 @lru_cache(maxsize=8)

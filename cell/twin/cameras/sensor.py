@@ -25,6 +25,7 @@ FULL_LEVEL = 255.0
 
 _LUMA = np.array([0.299, 0.587, 0.114])
 _NOISE_MARGIN_PX = 64
+_POOL_SEED = 1394
 _LARGEST_PICTURE_PX = (960, 1280)
 
 
@@ -103,19 +104,19 @@ def _colour_matrix(saturation: float, hue_deg: float) -> NDArray[np.float64]:
 class SensorNoise:
     """Noise fields that a seed and a frame number pick from one pool.
 
-    Each frame takes its own window of a larger field, so any frame's noise is known
-    from the seed and its number alone.
+    All cameras share one large field; each frame takes its own window of it, so any
+    frame's noise is known from the seed and its number alone.
     """
 
     def __init__(self, seed: int, deviation: float) -> None:
         """Make the pool.
 
         Args:
-            seed: Decides every field.
+            seed: Decides which window each frame takes.
             deviation: Standard deviation in grey levels.
         """
         self._seed = seed
-        self._more, self._less = _noise_pool(seed, round(deviation, 4))
+        self._more, self._less = _noise_pool(round(deviation, 4))
 
     def apply(self, picture: NDArray[np.uint8], frame_number: int) -> NDArray[np.uint8]:
         """Return a new picture with the noise of a frame added."""
@@ -129,9 +130,9 @@ class SensorNoise:
 
 
 @lru_cache(maxsize=6)
-def _noise_pool(seed: int, deviation: float) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+def _noise_pool(deviation: float) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Return what to add and what to take away: normal noise rounded to whole levels."""
-    base = _uniform_field(seed)
+    base = _uniform_field()
     middle = (np.arange(4096) + 0.5) / 4096
     # Rounding adds a variance of 1/12 of a level; taking it off keeps the deviation exact.
     spread = math.sqrt(max(deviation * deviation - 1.0 / 12.0, 0.0))
@@ -141,10 +142,10 @@ def _noise_pool(seed: int, deviation: float) -> tuple[NDArray[np.uint8], NDArray
     return more, less
 
 
-@lru_cache(maxsize=3)
-def _uniform_field(seed: int) -> NDArray[np.uint16]:
+@lru_cache(maxsize=1)
+def _uniform_field() -> NDArray[np.uint16]:
     rows, columns = (size + _NOISE_MARGIN_PX for size in _LARGEST_PICTURE_PX)
-    generator = np.random.default_rng([seed, rows, columns])
+    generator = np.random.default_rng(_POOL_SEED)
     return generator.integers(0, 4096, (rows, columns, 3), dtype=np.uint16)
 
 

@@ -19,7 +19,7 @@ Colour = tuple[float, float, float]
 """Reflectance R G B, 0..1."""
 
 _DIVIDE_MM = 17.0
-_ROUND_FACETS = 24
+_ROUND_FACETS = 20
 _ARCH_STEPS = 10
 
 
@@ -200,7 +200,7 @@ def _on_sphere(tilt_rad: float, turn_rad: float) -> NDArray[np.float64]:
 @lru_cache(maxsize=8)
 def ball(radius_mm: float) -> Solid:
     """Return a ball about the origin."""
-    bands, facets = 7, 14
+    bands, facets = 6, 14
     tilt = np.pi * (np.arange(bands + 1) / bands - 0.5)
     turn = 2 * np.pi * np.arange(facets) / facets
     builder = _Builder()
