@@ -15,7 +15,6 @@ import math
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from operator import sub
 from typing import Protocol
 
 from cell.clock import Clock
@@ -483,7 +482,7 @@ class World:
 
 def _most_turn_deg(first: JointTuple, last: JointTuple) -> float:
     """Return how far the joint turns that turns most."""
-    return max(map(abs, map(sub, first, last)))
+    return max(abs(a - b) for a, b in zip(first, last, strict=True))
 
 
 def _unreferenced() -> bool:

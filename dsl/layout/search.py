@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from dsl.draws import Draws
+from dsl.errors import DslError
 from dsl.layout import masks
 from dsl.layout.pieces import Piece, PieceKey, broken_by_piece, concerns
 from dsl.program import Distance, Gap, Region, Requirement, World
@@ -41,7 +42,7 @@ class Outcome:
     points: tuple[tuple[int, int], ...] = ()
 
 
-class _BudgetUsedUp(Exception):
+class _BudgetUsedUp(DslError):
     """The search has narrowed as many sets of points as it may."""
 
 

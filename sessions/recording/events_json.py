@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
+from functools import lru_cache
 from json.encoder import encode_basestring_ascii
 from operator import attrgetter
 from typing import get_args, get_type_hints
@@ -14,14 +15,12 @@ from cell.events import Body, Event
 _BODIES: tuple[type, ...] = get_args(Body)
 _JSON_TYPES = {int: "integer", float: "number", str: "string", bool: "boolean"}
 
-Writer = Callable[[object], str]
+Writer = Callable[[Event], bytes]
 
 
 def encode_event(event: Event) -> bytes:
     """Return an event as one JSON object: `sequence`, `time_s`, `type`, then its fields."""
-    body = event.body
-    head = f'{{"sequence":{event.sequence},"time_s":{event.time_s!r},"type":'
-    return (head + _WRITERS[type(body)](body)).encode("ascii")
+    return _WRITERS[type(event.body)](event)
 
 
 def decode_event(data: bytes) -> dict[str, object]:
@@ -70,30 +69,31 @@ def _field_types(owner: type) -> dict[str, type]:
 
 
 def _writer_of(body: type) -> Writer:
-    """Return a function that writes an object of a class as the rest of a JSON object.
+    """Return a function that writes events of a class.
 
-    The text around the values is made once; a call only fetches and formats values.
+    The bytes around the values are made once; a call only fetches and formats values, all
+    in one formatting. Python writes finite numbers as JSON does; whatever it may write in
+    another way shows by its name in the result, which is then written again with care.
     """
-    leaves = list(_leaves(body, ""))
-    template = f'"{body.__name__}",{_template(body)}}}'
-    paths = [path for path, _ in leaves]
-    quoted = tuple(i for i, (_, kind) in enumerate(leaves) if kind is str)
-    has_floats = any(kind is float for _, kind in leaves)
+    leaves = [("sequence", int), ("time_s", float), *_leaves(body, "body.")]
+    fetch = attrgetter(*(path for path, _ in leaves))
+    head = f'{{"sequence":%a,"time_s":%a,"type":"{body.__name__}",'
+    plain = f"{head}{_template(body)}}}".encode("ascii")
+    careful = plain.replace(b"%a", b"%b")
+    texts = tuple(i for i, (_, kind) in enumerate(leaves) if kind is str)
     has_flags = any(kind is bool for _, kind in leaves)
-    fetch = attrgetter(*paths)
-    quote: Callable[..., str] = encode_basestring_ascii
 
-    def write(value: object) -> str:
-        fetched = fetch(value)
-        values = list(fetched) if len(paths) > 1 else [fetched]
-        for i in quoted:
-            values[i] = quote(values[i])
-        if has_flags:
-            values = [_FLAGS.get(one, one) if isinstance(one, bool) else one for one in values]
-        text = template % tuple(values)
-        if has_floats and ("nan" in text or "inf" in text):
-            return template % tuple([_finite_or_named(one) for one in values])
-        return text
+    def write(event: Event) -> bytes:
+        values = fetch(event)
+        if texts:
+            quoted = list(values)
+            for i in texts:
+                quoted[i] = _quoted(quoted[i])
+            values = tuple(quoted)
+        written: bytes = plain % values
+        if has_flags or b"nan" in written or b"inf" in written or b"np." in written:
+            return careful % tuple([_as_json(value) for value in values])
+        return written
 
     return write
 
@@ -108,18 +108,34 @@ def _leaves(owner: type, prefix: str) -> Iterator[tuple[str, type]]:
 
 
 def _template(owner: type) -> str:
-    """Return the fields of a class as JSON with `%s` for each value."""
+    """Return the fields of a class as JSON with `%a` for each number and `%b` for each text."""
     return ",".join(
-        f'"{name}":{{{_template(kind)}}}' if is_dataclass(kind) else f'"{name}":%s'
+        f'"{name}":{{{_template(kind)}}}'
+        if is_dataclass(kind)
+        else f'"{name}":{"%b" if kind is str else "%a"}'
         for name, kind in _field_types(owner).items()
     )
 
 
-def _finite_or_named(value: object) -> object:
-    """Return JSON's usual names for what is not finite, and anything else as it is."""
-    return _NOT_FINITE.get(str(value), value) if isinstance(value, float) else value
+@lru_cache(maxsize=1024)
+def _quoted(text: str) -> bytes:
+    """Return a text as JSON; most texts of events come again and again."""
+    return encode_basestring_ascii(text).encode("ascii")
 
 
-_FLAGS = {True: "true", False: "false"}
-_NOT_FINITE = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
+def _as_json(value: object) -> bytes:
+    """Return a number or a flag as JSON, and what is written already as it is."""
+    if isinstance(value, bytes):
+        return value
+    text = str(value)
+    return _NAMED.get(text, text).encode("ascii")
+
+
+_NAMED = {
+    "True": "true",
+    "False": "false",
+    "nan": "NaN",
+    "inf": "Infinity",
+    "-inf": "-Infinity",
+}
 _WRITERS: dict[type, Writer] = {body: _writer_of(body) for body in _BODIES}

@@ -42,10 +42,10 @@ _EVENT_SCHEMA = layout.SchemaText(name="robocell.Event", encoding="jsonschema", 
 
 
 @lru_cache(maxsize=1024)
-def _wire_table(pieces: int) -> struct.Struct:
-    """Return the packing of a whole table at once, which is what makes it cheap."""
-    piece = layout.WIRE_PIECE.format.removeprefix("<")
-    return struct.Struct(layout.WIRE_HEAD.format + piece * pieces)
+def _wire_message(pieces: int) -> struct.Struct:
+    """Return the packing of a message's head with its whole table of pieces."""
+    piece = layout.WIRE_PIECE.format.removeprefix("<") * pieces
+    return struct.Struct(MESSAGE_HEAD.format + layout.WIRE_HEAD.format.removeprefix("<") + piece)
 
 
 class SessionRecorder:
@@ -83,14 +83,12 @@ class SessionRecorder:
             RecordingError: The file cannot be written.
         """
         self._file = file
-        self._clock = clock
+        self._now_s = clock.now_s
         self._counts = file.message_counts
         self._lock = threading.Lock()
-        self._pending: list[tuple[int, int, float, bytes]] = []
+        self._parts: list[bytes] = []
         self._run_link: str | None = None
-        self._run_channel = 0
-        self._run: list[float] = []
-        self._run_data: list[bytes] = []
+        self._run: list[tuple[Direction, float, bytes]] = []
         self._step = 0
         self._failure: RecordingError | None = None
         self._is_closed = False
@@ -120,50 +118,46 @@ class SessionRecorder:
 
     def received(self, line: bytes) -> None:
         """Note a line of the client (without its LF); it begins a step."""
-        self._end_run()
+        if self._run:
+            self._end_run()
         self._step = (self._step + 1) & 0xFFFFFFFF
-        self._note(self._received, line)
+        self._note(self._received, self._now_s(), line)
 
     def replied(self, reply: Reply) -> None:
         """Note the reply to the last line and write the whole step to the file."""
-        self._end_run()
-        for event in self._subscription.take():
-            self._pending.append((self._events, self._step, event.time_s, encode_event(event)))
+        if self._run:
+            self._end_run()
+        self._note_events()
+        now_s = self._now_s()
         flags = layout.REPLY_CLOSES if reply.closes else 0
-        view = reply.view
-        if view is not None and self._failure is None:
+        if reply.view is not None and self._failure is None:
             flags |= layout.REPLY_HAS_VIEW
-            frame = view.frame
-            number = self._views.take(frame, view.mime, reply.data, self._step)
-            height, width = frame.pixels.shape[:2]
-            sent = (
-                f'{{"view":{number},"camera":{json.dumps(frame.camera)},"frame":{frame.number},'
-                f'"mime":{json.dumps(view.mime)},"width":{width},"height":{height},'
-                f'"bytes":{len(reply.data)}}}'
-            )
-            self._note(self._view_sent, sent.encode("ascii"))
-        self._note(self._replied, layout.REPLY_HEAD.pack(flags, len(reply.data)) + reply.text)
+            self._note(self._view_sent, now_s, self._hand_over(reply.view, reply.data))
+        head = layout.REPLY_HEAD.pack(flags, len(reply.data))
+        self._note(self._replied, now_s, head + reply.text)
         self._flush()
 
     def wire(self, link: str, direction: Direction, data: bytes) -> None:
         """Note bytes on the wire of a device; after the end of the session they are not noted."""
-        if self._is_closed:
-            return
-        if link != self._run_link:
-            self._begin_run(link)
-        self._run += (_MARKS[direction], self._clock.now_s(), len(data))
-        self._run_data.append(data)
-        if len(self._run_data) >= _FLUSH_PIECES:
-            self._flush()
+        # Called for every piece of traffic: what can wait until the step is written, waits.
+        run = self._run
+        if link != self._run_link or len(run) >= _RUN_PIECES:
+            if self._is_closed:
+                return
+            if run:
+                self._end_run()
+            self._run_link = link
+        run.append((direction, self._now_s(), data))
 
     def close(self, reason: str) -> None:
         """Write what is left, the summary, and close the file; closing twice is harmless."""
         if self._is_closed:
             return
         self._is_closed = True
-        self._end_run()
-        for event in self._subscription.take():
-            self._pending.append((self._events, self._step, event.time_s, encode_event(event)))
+        if self._run:
+            self._end_run()
+        self._run_link = None
+        self._note_events()
         self._unsubscribe()
         self._flush()
         try:
@@ -176,7 +170,7 @@ class SessionRecorder:
             "views": self._views.count,
             "events_lost": self._subscription.dropped,
         }
-        self._note(self._ended, json.dumps(ended).encode("ascii"))
+        self._note(self._ended, self._now_s(), json.dumps(ended).encode("ascii"))
         self._flush()
         self._finish()
 
@@ -189,57 +183,41 @@ class SessionRecorder:
         except RecordingError as error:
             self._fail(error)
 
-    def _note(self, channel: int, data: bytes) -> None:
+    def _note(self, channel: int, time_s: float, data: bytes) -> None:
         """Keep a message for the next write."""
-        self._pending.append((channel, self._step, self._clock.now_s(), data))
+        time_ns = int(time_s * 1e9 + 0.5)
+        size = MESSAGE_FIELDS_SIZE + len(data)
+        head = MESSAGE_HEAD.pack(_OPCODE_MESSAGE, size, channel, self._step, time_ns, time_ns)
+        self._parts += (head, data)
+        self._counts[channel] += 1
 
-    def _begin_run(self, link: str) -> None:
-        """Begin a message of wire traffic; it takes all that follows with the same device."""
-        self._end_run()
-        self._run_link = link
-        channel = self._wire_channels.get(link)
-        self._run_channel = self._add_wire_channel(link) if channel is None else channel
+    def _note_events(self) -> None:
+        """Keep what happened since the last time."""
+        for event in self._subscription.take():
+            self._note(self._events, event.time_s, encode_event(event))
+
+    def _hand_over(self, view: SentView, data: bytes | memoryview) -> bytes:
+        """Have a view written beside the session; return the message that it was sent."""
+        frame = view.frame
+        number = self._views.take(frame, view.mime, data, self._step)
+        height, width = frame.pixels.shape[:2]
+        return (
+            f'{{"view":{number},"camera":{json.dumps(frame.camera)},"frame":{frame.number},'
+            f'"mime":{json.dumps(view.mime)},"width":{width},"height":{height},'
+            f'"bytes":{len(data)}}}'
+        ).encode("ascii")
 
     def _end_run(self) -> None:
-        """Keep the traffic of a device as a message for the next write."""
-        if self._run_link is None:
-            return
-        times_s = self._run[1::3]
-        self._run[1::3] = [int(time_s * 1e9 + 0.5) for time_s in times_s]
-        pieces = len(self._run_data)
-        table = _wire_table(pieces).pack(pieces, *self._run)
-        data = table + b"".join(self._run_data)
-        self._pending.append((self._run_channel, self._step, times_s[0], data))
-        self._run_link = None
-        self._run.clear()
-        self._run_data.clear()
-
-    def _flush(self) -> None:
-        """Write all kept messages in one go."""
-        self._end_run()
-        # Runs once a step and dominates what a recording costs: names are local, a time that
-        # repeats is converted once, and one join copies every byte once.
-        pending, counts, pack = self._pending, self._counts, MESSAGE_HEAD.pack
-        parts: list[bytes] = []
-        last_s = 0.0
-        time_ns = 0
-        for channel, step, time_s, data in pending:
-            if time_s != last_s:
-                last_s = time_s
-                time_ns = int(time_s * 1e9 + 0.5)
-            size = MESSAGE_FIELDS_SIZE + len(data)
-            parts += (pack(_OPCODE_MESSAGE, size, channel, step, time_ns, time_ns), data)
-            counts[channel] += 1
-        pending.clear()
-        if self._failure is not None or not parts:
-            return
-        if time_ns > self._end_ns:
-            self._end_ns = time_ns
-        try:
-            self._file.append(b"".join(parts))
-        except RecordingError as error:
-            self._fail(error)
-
+        """Keep the traffic in a row with one device as a message for the next write."""
+        run = self._run
+        table: list[int] = []
+        bytes_before = len(self._parts)
+        size = 0
+        for direction, time_s, data in run:
+            length = len(data)
+            size += length
+            table += (_MARKS[direction], int(time_s * 1e9 + 0.5), length)
+        E
     def _fail(self, error: RecordingError) -> None:
         if self._failure is None:
             self._failure = error
