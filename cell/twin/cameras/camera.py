@@ -155,7 +155,7 @@ class TwinCamera:
         scene = self._scene()
         if self._last is not None:
             revision, settings, frame = self._last
-            if revision == scene.revision and settings is self._settings:
+            if revision == scene.revision and settings == self._settings:
                 return frame
         self._number += 1
         pixels = self._take(scene, self._lens)

@@ -22,7 +22,9 @@ from cell.profile import TwinCameraProfile
 FULL_WIDTH_PX = 1280
 """Width of the picture that the profile's focal length and centre speak of."""
 
-_LEAST_PITCH_PX = 16
+_LEAST_COLUMNS = 128
+"""Cells across the picture: enough for a tenth of a pixel with the cell's lenses."""
+
 _NEWTON_STEPS = 6
 
 
@@ -116,16 +118,15 @@ def lens_for_mode(profile: TwinCameraProfile, mode: CameraMode) -> Lens:
 def coarse_rays(lens: Lens) -> NDArray[np.float64]:
     """Return viewing rays (rows, columns, 3), z = 1, of a grid that `GridSpreader` fills up."""
     columns, rows = _grid_size(lens)
-    u = (np.arange(columns) + 0.5) * (lens.width_px / columns) - 0.5
-    v = (np.arange(rows) + 0.5) * (lens.height_px / rows) - 0.5
+    # Resizing holds the value beyond the outermost grid centres, so the grid reaches one
+    # cell past the picture on every side.
+    u = (np.arange(-1, columns + 1) + 0.5) * (lens.width_px / columns) - 0.5
+    v = (np.arange(-1, rows + 1) + 0.5) * (lens.height_px / rows) - 0.5
     pixels = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    rays = np.ones((rows, columns, 3))
-    rays[..., :2] = lens.undistort(pixels).reshape(rows, columns, 2)
-    # Resizing holds the value beyond the outermost grid centres; a ring of extrapolated
-    # cells around the grid keeps the slope up to the picture's edge.
-    padded = np.pad(rays, ((1, 1), (1, 1), (0, 0)), mode="reflect", reflect_type="odd")
-    padded.setflags(write=False)
-    return padded
+    rays = np.ones((rows + 2, columns + 2, 3))
+    rays[..., :2] = lens.undistort(pixels).reshape(rows + 2, columns + 2, 2)
+    rays.setflags(write=False)
+    return rays
 
 
 class GridSpreader:
@@ -169,5 +170,6 @@ def brightness_map(lens: Lens) -> NDArray[np.float32]:
 def _grid_size(lens: Lens) -> tuple[int, int]:
     """Return columns and rows of the coarse grid; both divide the picture's size."""
     common = math.gcd(lens.width_px, lens.height_px)
-    pitch = next(p for p in range(_LEAST_PITCH_PX, common + 1) if common % p == 0)
+    coarsest = lens.width_px // _LEAST_COLUMNS
+    pitch = max(p for p in range(1, coarsest + 1) if common % p == 0)
     return lens.width_px // pitch, lens.height_px // pitch

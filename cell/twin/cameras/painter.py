@@ -23,7 +23,7 @@ from cell.twin.cameras.light import ScreenGlow, shade
 from cell.twin.cameras.optics import FULL_WIDTH_PX, Lens
 
 _NEAR_MM = 12.0
-_BLUR_PX = 0.65
+_BLUR_PX = 0.4
 """Standard deviation of the blur of lens and colour mosaic in pixels of the full picture."""
 
 _FILL_GROWTH_PX = 0.68
