@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, validators
 
 from console.exits import ConsoleError, Exit
 from console.options import ProfileName
@@ -32,7 +32,7 @@ def serve(
     *,
     profile: ProfileName = "mash",
     host: str | None = None,
-    port: int | None = None,
+    port: Annotated[int | None, Parameter(validator=validators.Number(gte=0, lte=65535))] = None,
     dialect: DialectName | None = None,
     listen: Annotated[
         list[str] | None,
