@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from json.encoder import encode_basestring_ascii
-from operator import attrgetter
 from typing import get_args, get_type_hints
 
 from cell.events import Body, Event
@@ -69,33 +68,31 @@ def _field_types(owner: type) -> dict[str, type]:
 
 
 def _writer_of(body: type) -> Writer:
-    """Return a function that writes events of a class.
+    """Return a function that writes events of a class, made of source as `dataclass` does it.
 
-    The bytes around the values are made once; a call only fetches and formats values, all
-    in one formatting. Python writes finite numbers as JSON does; whatever it may write in
-    another way shows by its name in the result, which is then written again with care.
+    Events are written on the path of every step: the text around the values is constant and
+    every value is fetched by name. Python writes finite numbers as JSON does; if one is not
+    finite, so is their sum, and the event is written again with care.
     """
-    leaves = [("sequence", int), ("time_s", float), *_leaves(body, "body.")]
-    fetch = attrgetter(*(path for path, _ in leaves))
-    head = f'{{"sequence":%a,"time_s":%a,"type":"{body.__name__}",'
-    plain = f"{head}{_template(body)}}}".encode("ascii")
-    careful = plain.replace(b"%a", b"%b")
-    texts = tuple(i for i, (_, kind) in enumerate(leaves) if kind is str)
-    has_flags = any(kind is bool for _, kind in leaves)
+    leaves = list(_leaves(body, "event.body."))
+    total = " + ".join(["event.time_s", *(path for path, kind in leaves if kind is float)])
+    lines = [
+        "def write(event):",
+        f"    total = {total}",
+        "    if total - total != 0.0:",
+        f"        return {_literal(body, careful=True)}.encode('ascii')",
+        f"    return {_literal(body, careful=False)}.encode('ascii')",
+    ]
+    made: dict[str, Writer] = {}
+    exec("\n".join(lines), {"quoted": _quoted, "number": _number}, made)
+    return made["write"]
 
-    def write(event: Event) -> bytes:
-        values = fetch(event)
-        if texts:
-            quoted = list(values)
-            for i in texts:
-                quoted[i] = _quoted(quoted[i])
-            values = tuple(quoted)
-        written: bytes = plain % values
-        if has_flags or b"nan" in written or b"inf" in written or b"np." in written:
-            return careful % tuple([_as_json(value) for value in values])
-        return written
 
-    return write
+def _literal(body: type, *, careful: bool) -> str:
+    """Return the source of a formatted string that is an event of a class as JSON."""
+    time = "{number(event.time_s)}" if careful else "{event.time_s}"
+    head = f'{{{{"sequence":{{event.sequence}},"time_s":{time},"type":"{body.__name__}",'
+    return f"f'{head}{_template(body, 'event.body.', careful=careful)}}}}}'"
 
 
 def _leaves(owner: type, prefix: str) -> Iterator[tuple[str, type]]:
@@ -107,35 +104,35 @@ def _leaves(owner: type, prefix: str) -> Iterator[tuple[str, type]]:
             yield prefix + name, kind
 
 
-def _template(owner: type) -> str:
-    """Return the fields of a class as JSON with `%a` for each number and `%b` for each text."""
-    return ",".join(
-        f'"{name}":{{{_template(kind)}}}'
-        if is_dataclass(kind)
-        else f'"{name}":{"%b" if kind is str else "%a"}'
-        for name, kind in _field_types(owner).items()
-    )
+def _template(owner: type, prefix: str, *, careful: bool) -> str:
+    """Return the fields of a class as the inside of a formatted string."""
+    parts = []
+    for name, kind in _field_types(owner).items():
+        path = prefix + name
+        if is_dataclass(kind):
+            parts.append(f'"{name}":{{{{{_template(kind, path + ".", careful=careful)}}}}}')
+        elif kind is str:
+            parts.append(f'"{name}":{{quoted({path})}}')
+        elif kind is bool:
+            parts.append(f'"{name}":{{"true" if {path} else "false"}}')
+        elif kind is float and careful:
+            parts.append(f'"{name}":{{number({path})}}')
+        else:
+            parts.append(f'"{name}":{{{path}}}')
+    return ",".join(parts)
 
 
 @lru_cache(maxsize=1024)
-def _quoted(text: str) -> bytes:
+def _quoted(text: str) -> str:
     """Return a text as JSON; most texts of events come again and again."""
-    return encode_basestring_ascii(text).encode("ascii")
+    return encode_basestring_ascii(text)
 
 
-def _as_json(value: object) -> bytes:
-    """Return a number or a flag as JSON, and what is written already as it is."""
-    if isinstance(value, bytes):
-        return value
+def _number(value: float) -> str:
+    """Return a number as JSON, with JSON's usual names for what is not finite."""
     text = str(value)
-    return _NAMED.get(text, text).encode("ascii")
+    return _NOT_FINITE.get(text, text)
 
 
-_NAMED = {
-    "True": "true",
-    "False": "false",
-    "nan": "NaN",
-    "inf": "Infinity",
-    "-inf": "-Infinity",
-}
+_NOT_FINITE = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
 _WRITERS: dict[type, Writer] = {body: _writer_of(body) for body in _BODIES}

@@ -57,7 +57,7 @@ class RecordingFile:
         """How many messages each channel has; whoever appends messages counts them here."""
         return self._index.message_counts
 
-    def append(self, data: bytes | bytearray | memoryview) -> None:
+    def append(self, data: bytes) -> None:
         """Write whole records at the end of the file.
 
         Raises:
@@ -149,7 +149,7 @@ class RecordingFile:
         self._index.schemas.append(record)
         return number
 
-    def _write(self, data: bytes | bytearray | memoryview) -> None:
+    def _write(self, data: bytes) -> None:
         try:
             written = os.write(self._descriptor, data)
             while written < len(data):

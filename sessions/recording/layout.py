@@ -38,8 +38,8 @@ PICTURE_HEAD: Final = struct.Struct("<I")
 
 WIRE_HEAD: Final = struct.Struct("<I")
 """Number of pieces in a message of wire traffic."""
-WIRE_PIECE: Final = struct.Struct("<BQI")
-"""Direction, time in ns, number of bytes of a piece."""
+WIRE_PIECE: Final = struct.Struct("<BdI")
+"""Direction, time in s, number of bytes of a piece."""
 TO_DEVICE: Final = 0
 FROM_DEVICE: Final = 1
 
@@ -86,7 +86,7 @@ WIRE_SCHEMA: Final = SchemaText(
     encoding="text",
     text=(
         "Traffic in a row with one device. uint32: number of pieces; for each piece uint8\n"
-        "direction (0 to the device, 1 from the device), uint64 time in ns on the session's\n"
+        "direction (0 to the device, 1 from the device), float64 time in s on the session's\n"
         "clock, uint32 number of bytes; then the bytes of all pieces. Little-endian.\n"
     ),
 )

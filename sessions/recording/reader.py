@@ -238,10 +238,10 @@ class SessionRecording:
         (count,) = layout.WIRE_HEAD.unpack_from(data)
         table = layout.WIRE_HEAD.size
         start = table + count * layout.WIRE_PIECE.size
-        for mark, time_ns, size in layout.WIRE_PIECE.iter_unpack(data[table:start]):
+        for mark, time_s, size in layout.WIRE_PIECE.iter_unpack(data[table:start]):
             yield RecordedBytes(
                 step=message.sequence,
-                time_ns=time_ns,
+                time_ns=int(time_s * 1e9 + 0.5),
                 device=message.topic.removeprefix(layout.WIRE_PREFIX),
                 direction="to_device" if mark == layout.TO_DEVICE else "from_device",
                 data=data[start : start + size],

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import logging
 import struct
-import threading
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -20,7 +19,7 @@ from pathlib import Path
 from cell.clock import Clock
 from cell.events import EventBus
 from cell.links.base import Direction
-from sessions.journal import Reply, SessionStart
+from sessions.journal import Reply, SentView, SessionStart
 from sessions.recording import layout
 from sessions.recording.errors import RecordingError
 from sessions.recording.events_json import encode_event, event_schema
@@ -31,13 +30,12 @@ from sessions.recording.view_writer import ViewWriter
 
 _log = logging.getLogger(__name__)
 
-_FLUSH_PIECES = 256
+_RUN_PIECES = 256
+_FLUSH_PARTS = 256
 _EVENT_CAPACITY = 100_000
 _OPCODE_MESSAGE = 5
-_MARKS: dict[Direction, int] = {
-    "to_device": layout.TO_DEVICE,
-    "from_device": layout.FROM_DEVICE,
-}
+_WIRE_HEAD_SIZE = layout.WIRE_HEAD.size
+_WIRE_PIECE_SIZE = layout.WIRE_PIECE.size
 _EVENT_SCHEMA = layout.SchemaText(name="robocell.Event", encoding="jsonschema", text=event_schema())
 
 
@@ -85,14 +83,14 @@ class SessionRecorder:
         self._file = file
         self._now_s = clock.now_s
         self._counts = file.message_counts
-        self._lock = threading.Lock()
         self._parts: list[bytes] = []
-        self._run_link: str | None = None
-        self._run: list[tuple[Direction, float, bytes]] = []
+        self._run_link = ""
+        self._run: list[float] = []
+        self._run_data: list[bytes] = []
         self._step = 0
         self._failure: RecordingError | None = None
         self._is_closed = False
-        self._start_ns = self._end_ns = round(clock.now_s() * 1e9)
+        self._start_ns = self._end_ns = self._views_end_ns = round(clock.now_s() * 1e9)
         self._wire_channels: dict[str, int] = {}
         self._subscription, self._unsubscribe = events.subscribe(_EVENT_CAPACITY)
         self._views = ViewWriter(self._write_view, views)
@@ -140,14 +138,16 @@ class SessionRecorder:
     def wire(self, link: str, direction: Direction, data: bytes) -> None:
         """Note bytes on the wire of a device; after the end of the session they are not noted."""
         # Called for every piece of traffic: what can wait until the step is written, waits.
-        run = self._run
-        if link != self._run_link or len(run) >= _RUN_PIECES:
+        if link != self._run_link or len(self._run_data) >= _RUN_PIECES:
             if self._is_closed:
                 return
-            if run:
+            if self._run:
                 self._end_run()
+            if len(self._parts) >= _FLUSH_PARTS:
+                self._flush()
             self._run_link = link
-        run.append((direction, self._now_s(), data))
+        self._run += (direction == "from_device", self._now_s(), len(data))
+        self._run_data.append(data)
 
     def close(self, reason: str) -> None:
         """Write what is left, the summary, and close the file; closing twice is harmless."""
@@ -156,7 +156,7 @@ class SessionRecorder:
         self._is_closed = True
         if self._run:
             self._end_run()
-        self._run_link = None
+        self._run_link = ""
         self._note_events()
         self._unsubscribe()
         self._flush()
@@ -179,7 +179,7 @@ class SessionRecorder:
             self._file.abandon()
             return
         try:
-            self._file.finish(self._start_ns, self._end_ns)
+            self._file.finish(self._start_ns, max(self._end_ns, self._views_end_ns))
         except RecordingError as error:
             self._fail(error)
 
@@ -190,6 +190,7 @@ class SessionRecorder:
         head = MESSAGE_HEAD.pack(_OPCODE_MESSAGE, size, channel, self._step, time_ns, time_ns)
         self._parts += (head, data)
         self._counts[channel] += 1
+        self._end_ns = time_ns
 
     def _note_events(self) -> None:
         """Keep what happened since the last time."""
@@ -209,21 +210,40 @@ class SessionRecorder:
 
     def _end_run(self) -> None:
         """Keep the traffic in a row with one device as a message for the next write."""
-        run = self._run
-        table: list[int] = []
-        bytes_before = len(self._parts)
-        size = 0
-        for direction, time_s, data in run:
-            length = len(data)
-            size += length
-            table += (_MARKS[direction], int(time_s * 1e9 + 0.5), length)
-        E
+        run, data = self._run, self._run_data
+        pieces = len(data)
+        size = MESSAGE_FIELDS_SIZE + _WIRE_HEAD_SIZE + pieces * _WIRE_PIECE_SIZE
+        size += sum(map(len, data))
+        time_ns = int(run[1] * 1e9 + 0.5)
+        channel = self._wire_channels.get(self._run_link) or self._add_wire_channel()
+        head = _wire_message(pieces).pack(
+            _OPCODE_MESSAGE, size, channel, self._step, time_ns, time_ns, pieces, *run
+        )
+        self._parts.append(head)
+        self._parts += data
+        self._counts[channel] += 1
+        run.clear()
+        data.clear()
+
+    def _flush(self) -> None:
+        """Write all kept messages in one go."""
+        data = b"".join(self._parts)
+        self._parts.clear()
+        if self._failure is not None:
+            return
+        try:
+            self._file.append(data)
+        except RecordingError as error:
+            self._fail(error)
+
     def _fail(self, error: RecordingError) -> None:
         if self._failure is None:
             self._failure = error
             _log.error("recording stopped: %s", error)
 
-    def _add_wire_channel(self, link: str) -> int:
+    def _add_wire_channel(self) -> int:
+        """Announce the channel of a device's traffic."""
+        link = self._run_link
         try:
             channel = self._file.add_channel(layout.WIRE_PREFIX + link, layout.WIRE_SCHEMA)
         except RecordingError as error:
@@ -233,15 +253,15 @@ class SessionRecorder:
         return channel
 
     def _write_view(self, camera: str, step: int, message: bytes) -> None:
-        time_ns = round(self._clock.now_s() * 1e9)
+        """Write a finished view; called by the thread that finishes views."""
+        time_ns = round(self._now_s() * 1e9)
         channel = self._file.add_channel(layout.VIEWS_PREFIX + camera, layout.PICTURE_SCHEMA)
         head = MESSAGE_HEAD.pack(
             _OPCODE_MESSAGE, MESSAGE_FIELDS_SIZE + len(message), channel, step, time_ns, time_ns
         )
         self._file.append(head + message)
-        with self._lock:
-            self._counts[channel] += 1
-            self._end_ns = max(self._end_ns, time_ns)
+        self._counts[channel] += 1
+        self._views_end_ns = time_ns
 
     def _write_start(
         self,

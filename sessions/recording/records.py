@@ -43,14 +43,6 @@ def pack(record: McapRecord) -> bytes:
     return packed
 
 
-def pack_message(channel: int, sequence: int, time_ns: int, data: bytes) -> bytes:
-    """Return a message record as bytes; log and publish time are the same."""
-    head = MESSAGE_HEAD.pack(
-        5, MESSAGE_FIELDS_SIZE + len(data), channel, sequence & 0xFFFFFFFF, time_ns, time_ns
-    )
-    return head + data
-
-
 @dataclass(slots=True, kw_only=True)
 class Index:
     """What the summary at the file's end is made of."""
