@@ -302,7 +302,11 @@ def _serve_idle(pipe: Connection) -> None:
 
 
 def _serve_twin(pipe: Connection) -> None:
-    _serve_desk(_twin_desk(), pipe)
+    from sessions.hosting import settle_memory  # as `cell serve` does
+
+    desk = _twin_desk()
+    settle_memory()
+    _serve_desk(desk, pipe)
 
 
 def _serve_desk(desk: Desk, pipe: Connection) -> None:

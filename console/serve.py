@@ -69,7 +69,7 @@ def serve(
     from cell.clock import SimulatedClock, SystemClock
     from cell.profile import parse_profile, profile_text
     from console.scripts import load_script
-    from sessions.hosting import host_twin
+    from sessions.hosting import host_twin, settle_memory
     from sessions.seeds import random_seed
     from sessions.server import Listener, MasServer
 
@@ -94,6 +94,7 @@ def serve(
         views=views,
     )
     say(f"seed {drawn}", "dim")
+    settle_memory()
     try:
         return run_until_stopped(MasServer(hosted.desk, listeners, ready=_announce))
     finally:
