@@ -144,7 +144,6 @@ def test_one_question_is_enough_when_the_expected_time_is_right() -> None:
     assert rig.requests == [
         "EXECP1=(490.000,-65.000,98.000,180.000,0.000,180.000)(7,0)",
         "EXECMVS P1",
-        "DSTATE",
         "PPOSF",
     ]
 
