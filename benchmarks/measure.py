@@ -1,4 +1,4 @@
-"""What a benchmark gives back, and how times are taken: medians, beside a ceiling or a peer.
+"""What a benchmark gives back, and how times are taken: beside a ceiling or a peer.
 
 Every other module of this folder offers `run() -> list[Result]`.
 """
@@ -66,3 +66,36 @@ def median_s(job: Callable[[], object], *, repeat: int = 9, number: int = 1) -> 
             job()
         times.append((time.perf_counter() - start) / number)
     return statistics.median(times)
+
+
+def interleaved_s(
+    first: Callable[[], object], second: Callable[[], object], *, repeat: int, number: int
+) -> tuple[float, float]:
+    """Return the times of one call of each of two jobs in seconds, fit to be compared.
+
+    The jobs run in blocks by turns and take turns in going first, so that whatever else the
+    machine does burdens both alike. Lower quartiles are given back, for a neighbour can make
+    a block slower and never faster.
+
+    Args:
+        first: What is timed.
+        second: What it is compared with.
+        repeat: How many blocks of each are timed.
+        number: Calls a block. A twentieth as many come before it untimed, so that each job
+            finds the processor's caches as it would alone.
+    """
+    times: dict[bool, list[float]] = {True: [], False: []}
+    for turn in range(repeat):
+        for is_first in (True, False) if turn % 2 else (False, True):
+            job = first if is_first else second
+            for _ in range(number // 20 + 1):
+                job()
+            start_s = time.perf_counter()
+            for _ in range(number):
+                job()
+            times[is_first].append((time.perf_counter() - start_s) / number)
+    return _lower_quartile(times[True]), _lower_quartile(times[False])
+
+
+def _lower_quartile(values: list[float]) -> float:
+    return sorted(values)[len(values) // 4]

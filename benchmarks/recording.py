@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import statistics
 import tempfile
 import time
 from io import BytesIO
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
-from benchmarks.measure import Result, median_s
+from benchmarks.measure import Result, interleaved_s, median_s
 from cell.clock import SimulatedClock
 from cell.devices.camera import CameraSettings, Frame
 from cell.events import EventBus, MotionFinished, StepTaken
@@ -232,24 +231,22 @@ def _step_rates(folder: Path) -> list[Result]:
     plain, recorded = _Played(None), _Played(folder / "rates")
     results = []
     for name, job, repeat, number, least in (
-        ("steps, recorded", _Played.step, 15, 300, 0.9),
-        ("steps with three fresh views, recorded as jpeg", _Played.step_with_views, 9, 10, 0.8),
+        ("steps, recorded", _Played.step, 40, 200, 0.9),
+        ("steps with three fresh views, recorded as jpeg", _Played.step_with_views, 12, 8, 0.8),
     ):
-        # In turns, so that whatever else the machine does burdens both alike.
-        times = [
-            (
-                median_s(functools.partial(job, plain), repeat=1, number=number),
-                median_s(functools.partial(job, recorded), repeat=1, number=number),
-            )
-            for _ in range(repeat)
-        ]
+        plain_s, recorded_s = interleaved_s(
+            functools.partial(job, plain),
+            functools.partial(job, recorded),
+            repeat=repeat,
+            number=number,
+        )
         results.append(
             Result(
                 name=name,
-                value=1 / statistics.median(time for _, time in times),
+                value=1 / recorded_s,
                 unit="1/s",
                 peer="the same, not recorded",
-                peer_value=1 / statistics.median(time for time, _ in times),
+                peer_value=1 / plain_s,
                 target=least,
                 target_is="at least",
                 of="ratio",
