@@ -8,10 +8,10 @@ from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cell.kinematics import LinkPoints, Matrix34
 from cell.profile import BoxProfile, GripperProfile
+from cell.twin.cameras.figures import Figure, Matrix, Point
 from cell.twin.cameras.shapes import Colour, Solid, ball, box, frustum, taper
 
 _CAST: Colour = (0.80, 0.81, 0.79)
@@ -36,71 +36,32 @@ class ArmSkeleton(Protocol):
         """Return the points along the arm and robot-from-tool."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Figure:
-    """A solid at its place.
-
-    Attributes:
-        solid: The template.
-        rotation: Robot-from-template rotation, (3, 3).
-        place_mm: Where the template's origin is, (3,).
-        colour: Reflectance.
-        gloss: Share of the mirror's law that the surface obeys.
-        corners_mm: The solid's vertices in the robot frame, (n, 3).
-        normals: Face normals in the robot frame, (m, 3).
-        centres_mm: Face centres in the robot frame, (m, 3).
-        middle_mm: Middle of the solid, (3,).
-        takes_glare: Whether its top face gives way to the glare of a lit screen.
-    """
-
-    solid: Solid
-    rotation: NDArray[np.float64]
-    place_mm: NDArray[np.float64]
-    colour: Colour
-    gloss: float
-    corners_mm: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    centres_mm: NDArray[np.float64]
-    middle_mm: NDArray[np.float64]
-    takes_glare: bool = False
-
-
 def place(
-    solid: Solid,
-    rotation: NDArray[np.float64],
-    place_mm: NDArray[np.float64],
-    colour: Colour,
-    gloss: float = _GLOSS,
-    *,
-    takes_glare: bool = False,
+    solid: Solid, rotation: Matrix, place_mm: Point, colour: Colour, gloss: float = _GLOSS
 ) -> Figure:
-    """Return a solid at a place, in a colour."""
-    turn = rotation.T
-    return Figure(
-        solid=solid,
-        rotation=rotation,
-        place_mm=place_mm,
-        colour=colour,
-        gloss=gloss,
-        corners_mm=solid.vertices_mm @ turn + place_mm,
-        normals=solid.normals @ turn,
-        centres_mm=solid.centres_mm @ turn + place_mm,
-        middle_mm=solid.middle_mm @ turn + place_mm,
-        takes_glare=takes_glare,
+    """Return a solid of the machinery at a place."""
+    return Figure(solid, rotation, place_mm, colour, gloss)
+
+
+def _frame(along: Point, side: Point) -> Matrix:
+    """Return the rotation whose z is `along` and whose y is as near to `side` as can be."""
+    z = along / math.sqrt(along @ along)
+    y = side - z * (side @ z)
+    y /= math.sqrt(y @ y)
+    (yx, yy, yz), (zx, zy, zz) = y.tolist(), z.tolist()
+    # Written out: numpy's cross product takes longer than all the rest.
+    return np.array(
+        [
+            [yy * zz - yz * zy, yx, zx],
+            [yz * zx - yx * zz, yy, zy],
+            [yx * zy - yy * zx, yz, zz],
+        ]
     )
 
 
-def _frame(along: NDArray[np.float64], side: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation whose z is `along` and whose y is as near to `side` as can be."""
-    z = along / np.linalg.norm(along)
-    y = side - z * (side @ z)
-    y /= np.linalg.norm(y)
-    return np.stack([np.cross(y, z), y, z], axis=1)
-
-
 def _drum(
-    centre: NDArray[np.float64],
-    axis: NDArray[np.float64],
+    centre: Point,
+    axis: Point,
     radius_mm: float,
     half_mm: float,
     cap_mm: float,
@@ -114,7 +75,7 @@ def _drum(
     for sign in (-1.0, 1.0):
         turned = rotation @ np.diag([1.0, sign, sign])
         foot = centre + axis * sign * half_mm
-        parts.append(place(frustum(cap_mm, cap_mm - 6, 12.0), turned, foot, _COVER))
+        parts.append(place(frustum(cap_mm, cap_mm - 6, 12.0, 16), turned, foot, _COVER))
     return parts
 
 
@@ -159,8 +120,8 @@ def arm_figures(points: LinkPoints, surface_mm: float) -> tuple[Figure, ...]:
 
 
 def _bar(
-    origin: NDArray[np.float64],
-    rotation: NDArray[np.float64],
+    origin: Point,
+    rotation: Matrix,
     reach_mm: tuple[float, float],
     start_mm: tuple[float, float],
     end_mm: tuple[float, float],
@@ -195,7 +156,7 @@ class GripperLook:
     tool_mm: float
     camera_mm: tuple[float, float, float] | None
 
-    def body(self, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]) -> list[Figure]:
+    def body(self, rotation: Matrix, tool_point: Point) -> list[Figure]:
         """Return what does not move in the tool frame, from the flange down."""
         flange = tool_point - rotation[:, 2] * self.tool_mm
         down = rotation[:, 2]
@@ -211,8 +172,8 @@ class GripperLook:
 
     def finger(
         self,
-        rotation: NDArray[np.float64],
-        tool_point: NDArray[np.float64],
+        rotation: Matrix,
+        tool_point: Point,
         opening_mm: float,
         sign: float,
     ) -> list[Figure]:

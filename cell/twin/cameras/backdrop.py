@@ -16,10 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.geometry import Transform
+from cell.profile import TwinCameraProfile
 from cell.twin.cameras.ground import Ground, floor_light, is_on_table
-from cell.twin.cameras.light import UNLIT_SHARE, screen_light
+from cell.twin.cameras.light import UNLIT_SHARE, ScreenGlow, screen_light
 from cell.twin.cameras.optics import GridSpreader, Lens, brightness_map, coarse_rays, pixel_rays
 from cell.twin.cameras.sensor import Exposure
+from cell.twin.cameras.shadows import cast_shadows
+from cell.twin.scene import SceneBlock
 
 HEADROOM = 2.0
 """How far beyond white the moving backdrop keeps light, so that vignetting and glare
@@ -41,12 +44,12 @@ class View:
     Attributes:
         ground: What it looks at.
         lens: Its lens in the mode in use.
-        pose: Position in mm and A, B, C in degrees of robot-from-camera.
+        placing: Where it stands; tells two cameras with the same lens apart.
     """
 
     ground: Ground
     lens: Lens
-    pose: tuple[float, float, float, float, float, float]
+    placing: TwinCameraProfile
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,15 +128,26 @@ def _hit(
 
 
 class MovingBackdrop:
-    """The ground for a camera that moves; light is divided by `HEADROOM`."""
+    """The ground for a camera that moves.
+
+    Drawn with half the picture's resolution and enlarged: so near to the ground, a pixel
+    of the drawing of it covers several of the picture's, and the ground lies behind
+    what the lens is focused on.
+    """
 
     def __init__(self, ground: Ground, lens: Lens) -> None:
+        """Prepare for a lens whose picture has even sides."""
         self._ground = ground
-        self._lens = lens
-        self._rays = coarse_rays(lens).reshape(-1, 3)
-        self._shape = coarse_rays(lens).shape[:2]
-        self._spreader = GridSpreader(lens)
-        self._seen = np.empty((lens.height_px, lens.width_px, 4), np.uint8)
+        half = lens.resized(lens.width_px // 2)
+        self._rays = coarse_rays(half).reshape(-1, 3)
+        self._shape = coarse_rays(half).shape[:2]
+        self._spreader = GridSpreader(half)
+        share = np.rint(255 * brightness_map(half)).astype(np.uint8)
+        self._vignette = np.asarray(cv2.merge([share] * 4), np.uint8)
+        self._shaded_key: tuple[object, ...] | None = None
+        self._shaded = np.empty((0, 0, 4), np.uint8)
+        self._seen = np.empty((half.height_px, half.width_px, 4), np.uint8)
+        self._small = np.empty((half.height_px, half.width_px, 3), np.uint8)
         self._canvas = np.empty((lens.height_px, lens.width_px, 3), np.uint8)
 
     def draw(
@@ -143,12 +157,35 @@ class MovingBackdrop:
         exposure: Exposure,
         *,
         are_lights_on: bool,
+        blocks: tuple[SceneBlock, ...],
+        glow: ScreenGlow,
     ) -> NDArray[np.uint8]:
-        """Return exposed light (h, w, 3) over `HEADROOM`, not yet vignetted.
+        """Return levels (h, w, 3) of the ground with the shadows of blocks that stand on it.
 
         The array is drawn into again by the next call.
         """
-        texture = _texture(self._ground, picture, exposure, are_lights_on)
+        key = (picture, exposure, are_lights_on, blocks)
+        if key != self._shaded_key:
+            self._shaded_key = key
+            plain = _texture(self._ground, picture, exposure, are_lights_on)
+            self._shaded = self._with_shadows(plain, blocks, glow)
+        texture = self._shaded
+        where = self._spreader.spread(self._texture_places(robot_from_camera))
+        beyond = texture[0, 0].tolist()
+        # Four channels run through OpenCV's vectorised path, three do not.
+        cv2.remap(  # type: ignore[call-overload]
+            texture, where, None, cv2.INTER_LINEAR, dst=self._seen, borderValue=beyond
+        )
+        cv2.multiply(self._seen, self._vignette, dst=self._seen, scale=HEADROOM / 255.0)
+        cv2.cvtColor(self._seen, cv2.COLOR_BGRA2BGR, dst=self._small)
+        if exposure.is_bent():
+            cv2.LUT(self._small, exposure.bend_table(), dst=self._small)
+        height, width = self._canvas.shape[:2]
+        cv2.resize(self._small, (width, height), dst=self._canvas)
+        return self._canvas
+
+    def _texture_places(self, robot_from_camera: Transform) -> NDArray[np.float32]:
+        """Return where on the texture the rays of the coarse grid meet the ground."""
         rays = self._rays @ robot_from_camera.rotation.T
         eye = robot_from_camera.translation_mm
         share = (self._ground.surface_mm - eye[2]) / np.minimum(rays[:, 2], -1e-2)
@@ -156,25 +193,29 @@ class MovingBackdrop:
         place = np.empty((len(rays), 2), np.float32)
         place[:, 0] = (eye[0] + share * rays[:, 0] - left) / _TEXTURE_PX_MM - 0.5
         place[:, 1] = (eye[1] + share * rays[:, 1] - low) / _TEXTURE_PX_MM - 0.5
-        where = self._spreader.spread(place.reshape(*self._shape, 2))
-        beyond = texture[0, 0].tolist()
-        # Four channels run through OpenCV's vectorised path, three do not.
-        cv2.remap(  # type: ignore[call-overload]
-            texture, where, None, cv2.INTER_LINEAR, dst=self._seen, borderValue=beyond
-        )
-        cv2.cvtColor(self._seen, cv2.COLOR_BGRA2BGR, dst=self._canvas)
-        return self._canvas
+        return place.reshape(*self._shape, 2)
+
+    def _with_shadows(
+        self, plain: NDArray[np.uint8], blocks: tuple[SceneBlock, ...], glow: ScreenGlow
+    ) -> NDArray[np.uint8]:
+        left, low, _, _ = _window_mm(self._ground)
+
+        def to_pixels(points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.asarray((points_mm[:, :2] - (left, low)) / _TEXTURE_PX_MM - 0.5)
+
+        shaded = plain.copy()
+        sizes = dict(self._ground.blocks)
+        cast_shadows(shaded, blocks, sizes, self._ground.surface_mm, to_pixels, glow)
+        return shaded
 
 
+@lru_cache(maxsize=4)
 def _window_mm(ground: Ground) -> tuple[float, float, float, float]:
     """Return left, low, right, high of the part of the plane that the texture holds."""
-    wide, tall = ground.panel_size_mm()
-    corner = ground.store.corner_mm
-    reach = max(wide, tall)
-    x, y = ground.display.corner_x_mm, ground.display.corner_y_mm
-    low = (min(corner[0] - 60, x - 120), min(corner[1] - 480, y) - _TEXTURE_MARGIN_MM)
-    high = (max(corner[0] + 700, x + tall + 220), max(corner[1] + 100, y + reach + 220))
-    return low[0], low[1], high[0], high[1]
+    corners = ground.corners_mm()
+    left, low = (corners.min(axis=0) - _TEXTURE_MARGIN_MM).tolist()
+    right, high = (corners.max(axis=0) + _TEXTURE_MARGIN_MM).tolist()
+    return left, low, right, high
 
 
 @lru_cache(maxsize=3)

@@ -18,26 +18,21 @@ from cell.geometry import Pose, Transform
 from cell.kinematics import Matrix34
 from cell.profile import BlockProfile, Profile
 from cell.store import StoreSlot
-from cell.twin.cameras.arm_shape import (
-    ArmSkeleton,
-    Figure,
-    GripperLook,
-    arm_figures,
-    box_figures,
-    place,
-)
-from cell.twin.cameras.backdrop import HEADROOM, MovingBackdrop, View, fixed_backdrop
+from cell.twin.cameras.arm_shape import ArmSkeleton, GripperLook, arm_figures, box_figures
+from cell.twin.cameras.backdrop import MovingBackdrop, View, fixed_backdrop
+from cell.twin.cameras.figures import Figure
 from cell.twin.cameras.ground import PAINT, Ground
 from cell.twin.cameras.light import ScreenGlow, screen_glow
-from cell.twin.cameras.optics import Lens, brightness_map, lens_for_mode
-from cell.twin.cameras.painter import Brush, Eye, paint
+from cell.twin.cameras.optics import Lens, lens_for_mode
+from cell.twin.cameras.painter import Brush, Eye, Sketch, paint, sketch
 from cell.twin.cameras.sensor import Exposure, SensorNoise
-from cell.twin.cameras.shadows import cast_shadows
+from cell.twin.cameras.shadows import cast_shadows, standing
 from cell.twin.cameras.shapes import Colour, Solid, box, bridge, frustum
 from cell.twin.scene import Scene, SceneBlock
 
 _BLOCK_GLOSS = 1.0
 _KEPT_BACKDROPS = 8
+_KEPT_SKETCHES = 200
 _LENS_BLUR = (3, 3)
 _UNKNOWN_PAINT: Colour = (0.4, 0.4, 0.4)
 
@@ -95,8 +90,9 @@ class TwinCamera:
         self._lens: Lens | None = None
         self._moving: MovingBackdrop | None = None
         self._canvas = np.empty((0, 0, 3), np.uint8)
-        self._blurred = self._canvas
         self._backdrops: dict[tuple[object, ...], NDArray[np.uint8]] = {}
+        self._sketches: dict[Figure, Sketch] = {}
+        self._sketch_key: tuple[object, ...] | None = None
         self._number = 0
         self._last: tuple[int, CameraSettings, Frame] | None = None
 
@@ -110,9 +106,9 @@ class TwinCamera:
         self._mode = mode
         self._lens = lens_for_mode(self._placing, mode)
         self._canvas = np.empty((mode.height_px, mode.width_px, 3), np.uint8)
-        self._blurred = np.empty_like(self._canvas)
         self._moving = None if self._is_fixed else MovingBackdrop(self._ground, self._lens)
         self._backdrops.clear()
+        self._sketches.clear()
         self._number = 0
         self._last = None
         return f"{self._device.model} {self._device.guid}"
@@ -123,6 +119,7 @@ class TwinCamera:
         self._lens = None
         self._moving = None
         self._backdrops.clear()
+        self._sketches.clear()
         self._last = None
 
     def settings(self) -> CameraSettings:
@@ -176,26 +173,48 @@ class TwinCamera:
         eye = Eye(lens, self._robot_from_camera(rotation, tool_point))
         exposure = Exposure(self._settings, self._device.settings)
         glow = _glow(scene.picture, self._profile)
+        ground_blocks = standing(scene.blocks, self._ground.surface_mm)
         if self._moving is None:
-            canvas = self._fixed_canvas(scene, eye, exposure, glow)
+            canvas = self._fixed_canvas(scene, ground_blocks, eye, exposure, glow)
         else:
             canvas = self._moving.draw(
-                eye.robot_from_camera, scene.picture, exposure, are_lights_on=scene.are_lights_on
+                eye.robot_from_camera,
+                scene.picture,
+                exposure,
+                are_lights_on=scene.are_lights_on,
+                blocks=ground_blocks,
+                glow=glow,
             )
-            self._shadows(canvas, scene, eye, glow)
         brush = Brush(
-            expose=_final_levels(exposure, lens) if self._is_fixed else _half_levels(exposure),
+            expose=_levels(exposure, lens),
             glare=exposure.linear,
             glow=glow,
             are_lights_on=scene.are_lights_on,
         )
         held, free = self._split_blocks(scene, rotation, tool_point)
-        groups: list[Sequence[Figure]] = [(figure,) for figure in self._boxes]
-        groups += [(figure,) for figure in arm_figures(points, self._ground.surface_mm)]
-        groups += [(self._block(block),) for block in free]
-        groups.append(self._hand(scene, eye, rotation, tool_point, held))
-        paint(canvas, groups, eye, brush)
-        return self._develop(canvas, exposure, lens)
+        hand = self._hand(scene, eye, rotation, tool_point, held)
+        moving = [*hand, *arm_figures(points, self._ground.surface_mm)]
+        still = [*self._boxes, *(self._block(block) for block in free)]
+        sketches = sketch(moving, eye, brush)
+        groups: list[Sequence[Sketch]] = [sketches[: len(hand)]]
+        groups += [(one,) for one in sketches[len(hand) :]]
+        key = (scene.picture, scene.are_lights_on, exposure)
+        groups += [(one,) for one in self._sketch_still(still, eye, brush, key)]
+        paint(canvas, groups)
+        return self._develop(canvas, exposure)
+
+    def _sketch_still(
+        self, figures: list[Figure], eye: Eye, brush: Brush, key: tuple[object, ...]
+    ) -> list[Sketch]:
+        """Sketch what does not move; a fixed camera does so once for each light."""
+        if not self._is_fixed:
+            return sketch(figures, eye, brush)
+        if key != self._sketch_key or len(self._sketches) > _KEPT_SKETCHES:
+            self._sketches.clear()
+            self._sketch_key = key
+        new = [figure for figure in figures if figure not in self._sketches]
+        self._sketches.update(zip(new, sketch(new, eye, brush), strict=True))
+        return [self._sketches[figure] for figure in figures]
 
     def _robot_from_camera(
         self, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]
@@ -208,36 +227,46 @@ class TwinCamera:
         return Transform(matrix) @ self._mount_from_camera
 
     def _fixed_canvas(
-        self, scene: Scene, eye: Eye, exposure: Exposure, glow: ScreenGlow
+        self,
+        scene: Scene,
+        blocks: tuple[SceneBlock, ...],
+        eye: Eye,
+        exposure: Exposure,
+        glow: ScreenGlow,
     ) -> NDArray[np.uint8]:
-        """Return a copy of the kept backdrop with the shadows of the blocks on it."""
-        place_of_camera = (*self._placing.position_mm, *self._placing.rotation_deg)
+        """Return a copy of the kept backdrop with the shadows of standing blocks on it."""
         base_key = (scene.picture, scene.are_lights_on, exposure)
-        key = (*base_key, scene.blocks)
+        key = (*base_key, blocks)
         kept = self._backdrops.get(key)
         if kept is None:
             base = self._backdrops.get(base_key)
             if base is None:
-                view = View(self._ground, eye.lens, place_of_camera)
-                light = fixed_backdrop(
-                    view, eye.robot_from_camera, scene.picture, are_lights_on=scene.are_lights_on
-                )
-                base = exposure.levels(exposure.linear(light))
+                base = self._developed_backdrop(scene, eye, exposure)
                 self._keep(base_key, base)
             kept = base.copy()
-            self._shadows(kept, scene, eye, glow)
+
+            def to_pixels(points_mm: NDArray[np.float64]) -> NDArray[np.float64] | None:
+                camera = eye.to_camera(points_mm)
+                return None if camera[:, 2].min() < 50.0 else eye.lens.project(camera)
+
+            surface_mm = self._ground.surface_mm
+            cast_shadows(kept, blocks, self._profile.blocks, surface_mm, to_pixels, glow)
             self._keep(key, kept)
         np.copyto(self._canvas, kept)
         return self._canvas
+
+    def _developed_backdrop(self, scene: Scene, eye: Eye, exposure: Exposure) -> NDArray[np.uint8]:
+        view = View(self._ground, eye.lens, self._placing)
+        light = fixed_backdrop(
+            view, eye.robot_from_camera, scene.picture, are_lights_on=scene.are_lights_on
+        )
+        blurred = np.asarray(cv2.GaussianBlur(light, _LENS_BLUR, 0), np.float32)
+        return exposure.levels(exposure.linear(blurred))
 
     def _keep(self, key: tuple[object, ...], backdrop: NDArray[np.uint8]) -> None:
         while len(self._backdrops) >= _KEPT_BACKDROPS:
             self._backdrops.pop(next(iter(self._backdrops)))
         self._backdrops[key] = backdrop
-
-    def _shadows(self, canvas: NDArray[np.uint8], scene: Scene, eye: Eye, glow: ScreenGlow) -> None:
-        surface_mm = self._ground.surface_mm
-        cast_shadows(canvas, scene.blocks, self._profile.blocks, surface_mm, eye, glow)
 
     def _block(self, block: SceneBlock) -> Figure:
         size = self._profile.blocks[block.kind]
@@ -288,19 +317,9 @@ class TwinCamera:
         fingers = [*far_finger, *(self._block(block) for block in held), *near_finger]
         return [*fingers, *body[::-1]] if is_above else [*body, *fingers]
 
-    def _develop(
-        self, canvas: NDArray[np.uint8], exposure: Exposure, lens: Lens
-    ) -> NDArray[np.uint8]:
-        """Return the finished picture: lens blur, vignetting, gamma, sharpness, noise."""
+    def _develop(self, canvas: NDArray[np.uint8], exposure: Exposure) -> NDArray[np.uint8]:
+        """Return the finished picture: sharpened as set, with the sensor's noise."""
         picture = canvas
-        if self._is_fixed:
-            cv2.GaussianBlur(canvas, _LENS_BLUR, 0, dst=self._blurred)
-            picture = self._blurred
-        else:
-            vignette = _vignette(lens)
-            cv2.multiply(picture, vignette, dst=picture, scale=HEADROOM / 255.0)
-            if exposure.is_bent():
-                cv2.LUT(picture, exposure.bend_table(), dst=picture)
         weight = exposure.sharpening()
         if weight != 0.0:
             soft = cv2.GaussianBlur(picture, (0, 0), 1.5)
@@ -322,12 +341,6 @@ def _flange_camera(profile: Profile, itself: str) -> tuple[float, float, float] 
     return None
 
 
-@lru_cache(maxsize=12)
-def _vignette(lens: Lens) -> NDArray[np.uint8]:
-    share = np.rint(255 * brightness_map(lens)).astype(np.uint8)
-    return np.asarray(cv2.merge([share, share, share]), np.uint8)
-
-
 _glows: dict[tuple[str | None, object], ScreenGlow] = {}
 
 
@@ -339,22 +352,12 @@ def _glow(picture: str | None, profile: Profile) -> ScreenGlow:
     return _glows[key]
 
 
-def _final_levels(
+def _levels(
     exposure: Exposure, lens: Lens
 ) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]:
     def levels(light: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.uint8]:
         share = np.maximum(lens.brightness(pixels), 0.5)
         return exposure.levels(exposure.linear(light * share[:, None]))
-
-    return levels
-
-
-def _half_levels(
-    exposure: Exposure,
-) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]:
-    def levels(light: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.uint8]:
-        half = np.rint(exposure.linear(light) / HEADROOM)
-        return np.asarray(np.clip(half, 0, 255), np.uint8)
 
     return levels
 
@@ -367,10 +370,14 @@ def _block_figure(
     cos, sin = math.cos(turn), math.sin(turn)
     rotation = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
     paint_of_block = PAINT.get(colour, _UNKNOWN_PAINT)
-    return place(
-        _block_solid(size), rotation, np.array([x_mm, y_mm, z_mm]), paint_of_block, _BLOCK_GLOSS,
+    return Figure(
+        _block_solid(size),
+        rotation,
+        np.array([x_mm, y_mm, z_mm]),
+        paint_of_block,
+        _BLOCK_GLOSS,
         takes_glare=True,
-    )  # fmt: skip
+    )
 
 
 def _block_solid(size: BlockProfile) -> Solid:

@@ -96,6 +96,23 @@ class Ground:
         display = self.display
         return display.width_px * display.pixel_mm, display.height_px * display.pixel_mm
 
+    def corners_mm(self) -> NDArray[np.float64]:
+        """Return robot x, y (8, 2) of the corners of panel and sheet."""
+        right, down = panel_axes(self.display)
+        corner = np.array([self.display.corner_x_mm, self.display.corner_y_mm])
+        wide, tall = self.panel_size_mm()
+        panel = [corner + right * (wide * i) + down * (tall * j) for i in (0, 1) for j in (0, 1)]
+        angle = math.radians(self.store.angle_deg)
+        along = np.array([math.cos(angle), math.sin(angle)])
+        across = np.array([along[1], -along[0]])
+        wide, tall = _SHEET_SIZE_MM
+        sheet = [
+            np.array(self.store.corner_mm) + along * (wide * i) + across * (tall * j)
+            for i in (0, 1)
+            for j in (0, 1)
+        ]
+        return np.array(panel + sheet)
+
     def panel_cover(self, x_mm: Plane, y_mm: Plane, px_mm: Plane | float) -> Plane:
         """Return how much of each point's pixel the panel covers, 0..1."""
         along, below = self.panel_mm(x_mm, y_mm)

@@ -9,7 +9,7 @@ apply (Brown 1971; the model of OpenCV's `projectPoints`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import cv2
@@ -51,6 +51,18 @@ class Lens:
     k1: float = 0.0
     k2: float = 0.0
     vignetting: float = 0.0
+
+    def resized(self, width_px: int) -> Lens:
+        """Return the same lens over a sensor with fewer or more pixels."""
+        scale = width_px / self.width_px
+        return replace(
+            self,
+            width_px=width_px,
+            height_px=round(self.height_px * scale),
+            focal_px=self.focal_px * scale,
+            centre_u_px=(self.centre_u_px + 0.5) * scale - 0.5,
+            centre_v_px=(self.centre_v_px + 0.5) * scale - 0.5,
+        )
 
     def project(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return pixels (n, 2) of points (n, 3) of the camera frame with z > 0.
@@ -101,17 +113,17 @@ def lens_for_mode(profile: TwinCameraProfile, mode: CameraMode) -> Lens:
 
     Pixel centres are whole numbers, so the picture's left edge lies at -0.5.
     """
-    scale = mode.width_px / FULL_WIDTH_PX
-    return Lens(
-        width_px=mode.width_px,
-        height_px=mode.height_px,
-        focal_px=profile.focal_px * scale,
-        centre_u_px=(profile.centre_px[0] + 0.5) * scale - 0.5,
-        centre_v_px=(profile.centre_px[1] + 0.5) * scale - 0.5,
+    full = Lens(
+        width_px=FULL_WIDTH_PX,
+        height_px=FULL_WIDTH_PX * mode.height_px // mode.width_px,
+        focal_px=profile.focal_px,
+        centre_u_px=profile.centre_px[0],
+        centre_v_px=profile.centre_px[1],
         k1=profile.k1,
         k2=profile.k2,
         vignetting=profile.vignetting,
     )
+    return full.resized(mode.width_px)
 
 
 @lru_cache(maxsize=16)

@@ -200,7 +200,7 @@ def _on_sphere(tilt_rad: float, turn_rad: float) -> NDArray[np.float64]:
 @lru_cache(maxsize=8)
 def ball(radius_mm: float) -> Solid:
     """Return a ball about the origin."""
-    bands, facets = 6, 14
+    bands, facets = 6, 12
     tilt = np.pi * (np.arange(bands + 1) / bands - 0.5)
     turn = 2 * np.pi * np.arange(facets) / facets
     builder = _Builder()
