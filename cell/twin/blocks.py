@@ -52,6 +52,7 @@ class BlockField:
         self._blocks = {block.block: block for block in blocks}
         self._kinds = kinds
         self._surface_mm = surface_mm
+        self._highest_mm: float | None = None
         self.revision = 0
 
     def all(self) -> tuple[TwinBlock, ...]:
@@ -65,6 +66,7 @@ class BlockField:
     def put(self, block: TwinBlock) -> None:
         """Set where a block is, without any physics."""
         self._blocks[block.block] = block
+        self._highest_mm = None
         self.revision += 1
 
     def kind(self, block: TwinBlock) -> BlockProfile:
@@ -77,7 +79,10 @@ class BlockField:
 
     def highest_mm(self) -> float:
         """Return the height of the highest top face, or of the surface."""
-        return max((self.top_mm(b) for b in self._blocks.values()), default=self._surface_mm)
+        if self._highest_mm is None:
+            tops = (self.top_mm(b) for b in self._blocks.values())
+            self._highest_mm = max(tops, default=self._surface_mm)
+        return self._highest_mm
 
     def footprint(self, block: TwinBlock) -> Footprint:
         """Return a block's outline seen from above."""

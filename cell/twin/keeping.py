@@ -18,7 +18,8 @@ from pydantic.dataclasses import dataclass
 from cell.errors import CellError
 from cell.twin.blocks import TwinBlock
 from cell.twin.bodies import JointTuple
-from cell.twin.world import Held, World
+from cell.twin.hand import Held
+from cell.twin.world import World
 
 _FORMAT = 1
 

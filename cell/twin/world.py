@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 from cell.clock import Clock
@@ -22,12 +22,10 @@ from cell.geometry import JointAngles, Pose
 from cell.profile import Profile
 from cell.twin.blocks import BlockField, TwinBlock
 from cell.twin.bodies import FingerMotion, JointPath, JointTuple
-from cell.twin.contact import Footprint, Jaw, aligned_yaw_deg
+from cell.twin.hand import Hand, Held, Meeting
 from cell.twin.scene import Scene, SceneBlock
 
 _SWEEP_STEP_S = 0.02
-_FINGER_LENGTH_MM = 50.0
-_LEAST_CONTACT_MM = 3.0
 _HIGH_MM = 30.0
 _SMALL_TURN_DEG = 15.0
 
@@ -37,17 +35,6 @@ class ToolKinematics(Protocol):
 
     def forward(self, joints: JointAngles) -> Pose:
         """Return the pose of the tool point."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Held:
-    """A block between the fingers, relative to the tool point."""
-
-    block: str
-    along_mm: float
-    across_mm: float
-    below_mm: float
-    turn_deg: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +63,7 @@ class World:
         self._kinematics = kinematics
         self._clock = clock
         self.blocks = BlockField(blocks, profile.blocks, profile.heights.surface_mm)
+        self._hand = Hand(profile)
         self._generator = random.Random(seed)
         self._joints: JointTuple = profile.arm.rest_deg
         self._tool_joints: JointTuple = self._joints
@@ -148,16 +136,24 @@ class World:
         return self._picture
 
     def _scene_blocks(self, now_s: float) -> tuple[SceneBlock, ...]:
-        held = self.held
         return tuple(
             SceneBlock(
                 block=b.block, kind=b.kind, colour=b.colour,
                 x_mm=b.x_mm, y_mm=b.y_mm, z_mm=b.z_mm, yaw_deg=b.yaw_deg,
             )
-            if held is None or held.block != b.block
-            else self._carried(b, held, self._tool(self.joints_deg(now_s)))
-            for b in self.blocks.all()
+            for b in self._placed(now_s)
         )  # fmt: skip
+
+    def _placed(self, now_s: float) -> tuple[TwinBlock, ...]:
+        """Return every block where it is, a held one where it hangs."""
+        held = self.held
+        if held is None:
+            return self.blocks.all()
+        tool = self._tool(self.joints_deg(now_s))
+        return tuple(
+            self._hand.carried(b, held, tool) if b.block == held.block else b
+            for b in self.blocks.all()
+        )
 
     # The arm's mechanics
 
@@ -224,16 +220,22 @@ class World:
         self._settle(now_s)
         start_mm = self.opening_mm(now_s)
         target_mm = min(max(target_mm, 0.0), self._profile.gripper.stroke_mm)
-        end_mm, takes, is_blocked = target_mm, None, False
+        meeting = Meeting(end_mm=target_mm, takes=None, is_blocked=False)
         if target_mm > start_mm:
             self._let_go()
         elif self.held is not None:
-            end_mm, is_blocked = start_mm, target_mm < start_mm
+            meeting = Meeting(end_mm=start_mm, takes=None, is_blocked=target_mm < start_mm)
         else:
-            end_mm, takes, is_blocked = self._meet(start_mm, target_mm, now_s)
+            tool = self._tool(self.joints_deg(now_s))
+            meeting = self._hand.meet(self.blocks, tool, start_mm, target_mm)
+        end_mm = meeting.end_mm
         duration_s = _travel_s(abs(end_mm - start_mm), speed_mm_s, acceleration_mm_s2)
-        motion = FingerMotion(end_s=now_s + duration_s, end_mm=end_mm, is_blocked=is_blocked)
-        self._closing = _Closing(start_s=now_s, start_mm=start_mm, motion=motion, takes=takes)
+        motion = FingerMotion(
+            end_s=now_s + duration_s, end_mm=end_mm, is_blocked=meeting.is_blocked
+        )
+        self._closing = _Closing(
+            start_s=now_s, start_mm=start_mm, motion=motion, takes=meeting.takes
+        )
         return motion
 
     def halt_fingers(self, now_s: float) -> None:
@@ -255,15 +257,7 @@ class World:
         """Return the truth about every block now; a held one where it hangs."""
         now_s = self._clock.now_s()
         self._settle(now_s)
-        held = self.held
-        if held is None:
-            return self.blocks.all()
-        seen = {b.block: b for b in self._scene_blocks(now_s)}
-        return tuple(
-            replace(b, x_mm=s.x_mm, y_mm=s.y_mm, z_mm=s.z_mm, yaw_deg=s.yaw_deg)
-            for b in self.blocks.all()
-            for s in (seen[b.block],)
-        )
+        return self._placed(now_s)
 
     def restore(
         self,
@@ -299,21 +293,6 @@ class World:
             self._tool_pose = self._kinematics.forward(JointAngles(joints))
         return self._tool_pose
 
-    def _jaw(self, tool: Pose) -> Jaw:
-        """Return the fingers seen from above; they close along the tool's y axis."""
-        a, b, c = (math.radians(v) for v in (tool.a_deg, tool.b_deg, tool.c_deg))
-        sa, ca, sb = math.sin(a), math.cos(a), math.sin(b)
-        ax = math.cos(c) * sb * sa - math.sin(c) * ca
-        ay = math.sin(c) * sb * sa + math.cos(c) * ca
-        length = math.hypot(ax, ay) or 1.0
-        return Jaw(
-            x_mm=tool.x_mm,
-            y_mm=tool.y_mm,
-            axis=(ax / length, ay / length),
-            finger_width_mm=self._profile.gripper.finger_width_mm,
-            finger_thickness_mm=self._profile.gripper.finger_thickness_mm,
-        )
-
     def _settle(self, now_s: float) -> None:
         """Bring fingers and arm up to `now_s`."""
         closing = self._closing
@@ -330,78 +309,15 @@ class World:
                     self._changed()
 
     def _finish_closing(self, closing: _Closing, now_s: float) -> None:
-        if closing.takes is not None:
-            self._take(closing.takes, self._tool(self.joints_deg(now_s)))
-        elif closing.motion.end_mm > closing.start_mm:
-            tool = self._tool(self.joints_deg(now_s))
-            low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
-            if low_mm < self.blocks.highest_mm():
-                self._push_aside(tool, closing.motion.end_mm)
-        self._changed()
-
-    def _meet(
-        self, start_mm: float, target_mm: float, now_s: float
-    ) -> tuple[float, TwinBlock | None, bool]:
-        """Find what closing fingers meet: end opening, the block taken, whether stopped."""
         tool = self._tool(self.joints_deg(now_s))
-        jaw = self._jaw(tool)
-        low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
-        met: list[tuple[float, TwinBlock]] = []
-        for block in self.blocks.all():
-            top_mm = self.blocks.top_mm(block)
-            if (
-                min(top_mm, low_mm + _FINGER_LENGTH_MM) - max(block.z_mm, low_mm)
-                < _LEAST_CONTACT_MM
-            ):
-                continue
-            aligned = self._aligned(block, jaw)
-            span = jaw.span(self.blocks.footprint(aligned))
-            if span is None or max(-span[0], span[1]) > 0.5 * start_mm + 1.0:
-                continue
-            met.append((span[1] - span[0], aligned))
-        width_mm = sum(width for width, _ in met)
-        if width_mm <= target_mm:
-            return target_mm, None, False
-        taken = met[0][1] if len(met) == 1 and met[0][0] > _LEAST_CONTACT_MM else None
-        return width_mm, taken, True
-
-    def _aligned(self, block: TwinBlock, jaw: Jaw) -> TwinBlock:
-        if self.blocks.kind(block).shape == "cylinder":
-            return block
-        return replace(block, yaw_deg=aligned_yaw_deg(block.yaw_deg, jaw.axis_deg))
-
-    def _take(self, block: TwinBlock, tool: Pose) -> None:
-        """Fix a block to the tool: both fingers push it to their middle."""
-        jaw = self._jaw(tool)
-        span = jaw.span(self.blocks.footprint(block))
-        if span is None:
-            return
-        shift = 0.5 * (span[0] + span[1])
-        block = replace(
-            block, x_mm=block.x_mm - shift * jaw.axis[0], y_mm=block.y_mm - shift * jaw.axis[1]
-        )
-        self.blocks.put(block)
-        dx, dy = block.x_mm - jaw.x_mm, block.y_mm - jaw.y_mm
-        self.held = Held(
-            block=block.block,
-            along_mm=jaw.axis[0] * dx + jaw.axis[1] * dy,
-            across_mm=-jaw.axis[1] * dx + jaw.axis[0] * dy,
-            below_mm=tool.z_mm - block.z_mm,
-            turn_deg=block.yaw_deg - jaw.axis_deg,
-        )
-
-    def _carried(self, block: TwinBlock, held: Held, tool: Pose) -> SceneBlock:
-        jaw = self._jaw(tool)
-        ax, ay = jaw.axis
-        return SceneBlock(
-            block=block.block,
-            kind=block.kind,
-            colour=block.colour,
-            x_mm=tool.x_mm + ax * held.along_mm - ay * held.across_mm,
-            y_mm=tool.y_mm + ay * held.along_mm + ax * held.across_mm,
-            z_mm=max(tool.z_mm - held.below_mm, self._profile.heights.surface_mm),
-            yaw_deg=jaw.axis_deg + held.turn_deg,
-        )
+        if closing.takes is not None:
+            self.held = self._hand.take(self.blocks, closing.takes, tool)
+        elif (
+            closing.motion.end_mm > closing.start_mm
+            and self._hand.tip_mm(tool) < self.blocks.highest_mm()
+        ):
+            self._hand.push_aside(self.blocks, tool, closing.motion.end_mm, self.held)
+        self._changed()
 
     def _let_go(self) -> None:
         """Drop what the fingers hold: it falls and lies where it fell."""
@@ -409,12 +325,9 @@ class World:
         if held is None:
             return
         now_s = self._clock.now_s()
-        block = self.blocks.get(held.block)
-        seen = self._carried(block, held, self._tool(self.joints_deg(now_s)))
+        tool = self._tool(self.joints_deg(now_s))
+        self.blocks.put(self._hand.carried(self.blocks.get(held.block), held, tool))
         self.held = None
-        self.blocks.put(
-            replace(block, x_mm=seen.x_mm, y_mm=seen.y_mm, z_mm=seen.z_mm, yaw_deg=seen.yaw_deg)
-        )
         twin = self._profile.twin
         self.blocks.drop(
             held.block, self._generator, twin.placement_scatter_mm, twin.placement_scatter_deg
@@ -426,11 +339,7 @@ class World:
         since_s, self._swept_s = self._swept_s, until_s
         if until_s <= since_s:
             return
-        below_mm = self._profile.gripper.tip_below_tool_mm
-        held = self.held
-        if held is not None:
-            below_mm = max(below_mm, held.below_mm)
-        clear_mm = self.blocks.highest_mm() + below_mm
+        clear_mm = self.blocks.highest_mm() + self._hand.reach_below_mm(self.held)
         if self._stays_above(path, since_s, until_s, clear_mm):
             return
         before = self.blocks.revision
@@ -438,7 +347,7 @@ class World:
         for step in range(1, steps + 1):
             tool = self._tool(path.at(since_s + (until_s - since_s) * step / steps))
             if tool.z_mm < clear_mm:
-                self._push_aside(tool, self._opening_mm)
+                self._hand.push_aside(self.blocks, tool, self._opening_mm, self.held)
         if self.blocks.revision != before:
             self._changed()
 
@@ -459,25 +368,6 @@ class World:
             return True
         middle = path.at(0.5 * (since_s + until_s))
         return self._tool(middle).z_mm >= clear_mm + 5.0
-
-    def _push_aside(self, tool: Pose, opening_mm: float) -> None:
-        low_mm = tool.z_mm - self._profile.gripper.tip_below_tool_mm
-        held = self.held
-        spare = held.block if held is not None else None
-        for finger in self._jaw(tool).fingers(opening_mm):
-            self.blocks.push(finger, low_mm, spare=spare)
-        if held is not None:
-            carried = self._carried(self.blocks.get(held.block), held, tool)
-            kind = self._profile.blocks[carried.kind]
-            outline = Footprint(
-                x_mm=carried.x_mm,
-                y_mm=carried.y_mm,
-                yaw_deg=carried.yaw_deg,
-                length_mm=kind.length_mm,
-                width_mm=kind.width_mm,
-                is_round=kind.shape == "cylinder",
-            )
-            self.blocks.push(outline, carried.z_mm, spare=spare)
 
 
 def _most_turn_deg(first: JointTuple, last: JointTuple) -> float:
