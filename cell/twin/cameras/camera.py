@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -91,6 +90,7 @@ class TwinCamera:
         self._moving: MovingBackdrop | None = None
         self._canvas = np.empty((0, 0, 3), np.uint8)
         self._backdrops: dict[tuple[object, ...], NDArray[np.uint8]] = {}
+        self._figures: dict[SceneBlock, Figure] = {}
         self._sketches: dict[Figure, Sketch] = {}
         self._sketch_key: tuple[object, ...] | None = None
         self._number = 0
@@ -195,20 +195,20 @@ class TwinCamera:
         hand = self._hand(scene, eye, rotation, tool_point, held)
         moving = [*hand, *arm_figures(points, self._ground.surface_mm)]
         still = [*self._boxes, *(self._block(block) for block in free)]
-        sketches = sketch(moving, eye, brush)
+        if self._is_fixed:
+            key = (scene.picture, scene.are_lights_on, exposure)
+            sketches = sketch(moving, eye, brush) + self._sketch_still(still, eye, brush, key)
+        else:
+            sketches = sketch(moving + still, eye, brush)
         groups: list[Sequence[Sketch]] = [sketches[: len(hand)]]
         groups += [(one,) for one in sketches[len(hand) :]]
-        key = (scene.picture, scene.are_lights_on, exposure)
-        groups += [(one,) for one in self._sketch_still(still, eye, brush, key)]
         paint(canvas, groups)
         return self._develop(canvas, exposure)
 
     def _sketch_still(
         self, figures: list[Figure], eye: Eye, brush: Brush, key: tuple[object, ...]
     ) -> list[Sketch]:
-        """Sketch what does not move; a fixed camera does so once for each light."""
-        if not self._is_fixed:
-            return sketch(figures, eye, brush)
+        """Sketch what does not move, for a fixed camera: once for each light."""
         if key != self._sketch_key or len(self._sketches) > _KEPT_SKETCHES:
             self._sketches.clear()
             self._sketch_key = key
@@ -269,8 +269,13 @@ class TwinCamera:
         self._backdrops[key] = backdrop
 
     def _block(self, block: SceneBlock) -> Figure:
-        size = self._profile.blocks[block.kind]
-        return _block_figure(size, block.colour, block.x_mm, block.y_mm, block.z_mm, block.yaw_deg)
+        figure = self._figures.get(block)
+        if figure is None:
+            if len(self._figures) > _KEPT_SKETCHES:
+                self._figures.clear()
+            figure = _block_figure(block, self._profile.blocks[block.kind])
+            self._figures[block] = figure
+        return figure
 
     def _split_blocks(
         self, scene: Scene, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]
@@ -362,19 +367,14 @@ def _levels(
     return levels
 
 
-@lru_cache(maxsize=256)
-def _block_figure(
-    size: BlockProfile, colour: str, x_mm: float, y_mm: float, z_mm: float, yaw_deg: float
-) -> Figure:
-    turn = math.radians(yaw_deg)
+def _block_figure(block: SceneBlock, size: BlockProfile) -> Figure:
+    turn = math.radians(block.yaw_deg)
     cos, sin = math.cos(turn), math.sin(turn)
-    rotation = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    paint_of_block = PAINT.get(colour, _UNKNOWN_PAINT)
     return Figure(
         _block_solid(size),
-        rotation,
-        np.array([x_mm, y_mm, z_mm]),
-        paint_of_block,
+        np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]),
+        np.array([block.x_mm, block.y_mm, block.z_mm]),
+        PAINT.get(block.colour, _UNKNOWN_PAINT),
         _BLOCK_GLOSS,
         takes_glare=True,
     )

@@ -22,7 +22,7 @@ from cell.profile import TwinCameraProfile
 FULL_WIDTH_PX = 1280
 """Width of the picture that the profile's focal length and centre speak of."""
 
-_LEAST_COLUMNS = 128
+_LEAST_COLUMNS = 80
 """Cells across the picture: enough for a tenth of a pixel with the cell's lenses."""
 
 _NEWTON_STEPS = 6

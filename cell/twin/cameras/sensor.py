@@ -46,25 +46,12 @@ class Exposure:
         """Factor of the analogue gain over the default gain (20 dB are ten times)."""
         return float(10.0 ** ((self.settings.gain_db - self.defaults.gain_db) / 20.0))
 
-    def channel_matrix(self) -> NDArray[np.float64]:
-        """Return the 3 x 3 matrix from nominal to exposed light, R G B."""
-        now, default = self.settings, self.defaults
-        light = now.shutter_ms / default.shutter_ms * self.amplification
-        balance = np.diag(
-            [
-                now.white_balance_red / default.white_balance_red,
-                1.0,
-                now.white_balance_blue / default.white_balance_blue,
-            ]
-        )
-        return light * (_colour_matrix(now.saturation_percent / 100.0, now.hue_deg) @ balance)
-
     def linear(self, light: NDArray[np.floating]) -> NDArray[np.float32]:
         """Return exposed light of shape (..., 3), before clipping and gamma, never negative."""
-        matrix = self.channel_matrix()
-        if np.count_nonzero(matrix - np.diag(np.diagonal(matrix))) == 0:
-            return light.astype(np.float32) * np.diagonal(matrix).astype(np.float32)
-        return np.maximum(light.astype(np.float32) @ matrix.T.astype(np.float32), 0.0)
+        matrix = _channel_matrix(self.settings, self.defaults)
+        if matrix.ndim == 1:
+            return np.asarray(light.astype(np.float32) * matrix)
+        return np.asarray(np.maximum(light.astype(np.float32) @ matrix.T, 0.0))
 
     def is_bent(self) -> bool:
         """Return whether gamma or brightness change levels after clipping."""
@@ -87,17 +74,31 @@ class Exposure:
         return (self.settings.sharpness - NEUTRAL_SHARPNESS) / NEUTRAL_SHARPNESS
 
 
+@lru_cache(maxsize=16)
+def _channel_matrix(now: CameraSettings, default: CameraSettings) -> NDArray[np.float32]:
+    """Return what takes nominal to exposed light: (3,) by channel, or (3, 3) when they mix."""
+    amplification = Exposure(now, default).amplification
+    balance = np.array(
+        [
+            now.white_balance_red / default.white_balance_red,
+            1.0,
+            now.white_balance_blue / default.white_balance_blue,
+        ]
+    )
+    gains = now.shutter_ms / default.shutter_ms * amplification * balance
+    if now.saturation_percent == 100.0 and now.hue_deg == 0.0:
+        return gains.astype(np.float32)
+    mixed = _colour_matrix(now.saturation_percent / 100.0, now.hue_deg) * gains
+    return np.asarray(mixed, np.float32)
+
+
 def _colour_matrix(saturation: float, hue_deg: float) -> NDArray[np.float64]:
     """Return the matrix that scales and turns colours about grey, keeping luma."""
     cos, sin = math.cos(math.radians(hue_deg)), math.sin(math.radians(hue_deg))
     axis = 1.0 / math.sqrt(3.0)
     cross = axis * np.array([[0.0, -1.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
     turn = cos * np.eye(3) + sin * cross + (1.0 - cos) / 3.0 * np.ones((3, 3))
-    if hue_deg == 0.0:
-        turn = np.eye(3)
     grey = np.tile(_LUMA, (3, 1))
-    if saturation == 1.0:
-        return turn
     return (saturation * np.eye(3) + (1.0 - saturation) * grey) @ turn
 
 

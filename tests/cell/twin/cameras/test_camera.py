@@ -201,6 +201,16 @@ def test_white_balance_changes_its_channel_alone() -> None:
     assert after[..., 0].mean() == pytest.approx(before[..., 0].mean() / 2, rel=0.03)
 
 
+def test_sharpness_steepens_edges_and_keeps_plain_areas() -> None:
+    stage = Stage().put(block("cube", "natural", 600, -150)).show("black")
+    camera = stage.camera("top", profile=QUIET)
+    neutral = camera.grab().pixels.astype(int)
+    camera.configure(replace(camera.settings(), sharpness=2048))
+    sharp = camera.grab().pixels.astype(int)
+    assert np.abs(np.diff(sharp, axis=1)).max() > np.abs(np.diff(neutral, axis=1)).max() + 20
+    assert abs(sharp.mean() - neutral.mean()) < 1.0
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_lights_off_leaves_the_screen_alone(name: str) -> None:
     stage = Stage().put(block("cube", "natural", 600, -150))
