@@ -85,7 +85,7 @@ def fixed_backdrop(
     return light
 
 
-@lru_cache(maxsize=6)
+@lru_cache(maxsize=4)
 def _seen_of(view: View, matrix: bytes) -> _Seen:
     robot_from_camera = Transform(np.frombuffer(matrix).reshape(4, 4))
     ground, lens = view.ground, view.lens
@@ -218,7 +218,7 @@ def _window_mm(ground: Ground) -> tuple[float, float, float, float]:
     return left, low, right, high
 
 
-@lru_cache(maxsize=3)
+@lru_cache(maxsize=1)
 def _texture_light(ground: Ground) -> tuple[Light, Light, Light, Light]:
     """Return lamplight, panel coordinates and panel cover of the texture's points."""
     left, low, right, high = _window_mm(ground)
@@ -232,7 +232,7 @@ def _texture_light(ground: Ground) -> tuple[Light, Light, Light, Light]:
     return light, along / pixel_mm - 0.5, below / pixel_mm - 0.5, cover
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=4)
 def _texture(
     ground: Ground, picture: str | None, exposure: Exposure, are_lights_on: bool
 ) -> NDArray[np.uint8]:

@@ -158,7 +158,7 @@ class GridSpreader:
         return self._full[self._pad_v : -self._pad_v, self._pad_u : -self._pad_u]
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=1)
 def pixel_rays(lens: Lens) -> NDArray[np.float32]:
     """Return the viewing ray (h, w, 3), z = 1, of every pixel, exact."""
     u, v = np.meshgrid(np.arange(lens.width_px), np.arange(lens.height_px))
@@ -169,7 +169,7 @@ def pixel_rays(lens: Lens) -> NDArray[np.float32]:
     return rays
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=6)
 def brightness_map(lens: Lens) -> NDArray[np.float32]:
     """Return the share of light that reaches each pixel, shape (h, w)."""
     u, v = np.meshgrid(np.arange(lens.width_px), np.arange(lens.height_px))
