@@ -25,7 +25,7 @@ FULL_WIDTH_PX = 1280
 _LEAST_COLUMNS = 80
 """Cells across the picture: enough for a tenth of a pixel with the cell's lenses."""
 
-_NEWTON_STEPS = 6
+_NEWTON_STEPS = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
