@@ -155,13 +155,20 @@ def _write(views: dict[str, View], folder: Path) -> list[Path]:
 
 
 def _next_steps(session: str) -> str:
+    cell = _own_call()
     lines = (
-        ("cell serve mash", "serve the shipped tasks to your own client"),
-        ("cell experiment 127.0.0.1:10993 --views", "play them from another shell"),
-        ("cell play 127.0.0.1:10993", "drive the arm with the arrow keys"),
-        (f"cell sessions show {session}", "read what was said just now"),
-        (f"cell sessions views {session}", "take every picture out of the recording"),
+        (f"{cell} serve mash", "serve the shipped tasks to your own client"),
+        (f"{cell} experiment 127.0.0.1:10993 --views", "play them from another shell"),
+        (f"{cell} play 127.0.0.1:10993", "drive the arm with the arrow keys"),
+        (f"{cell} sessions show {session}", "read what was said just now"),
+        (f"{cell} sessions views {session}", "take every picture out of the recording"),
     )
     width = max(len(call) for call, _ in lines)
     listed = "\n".join(f"  {call:{width}}  {what}" for call, what in lines)
     return f"{styled('next:', 'bold', sys.stderr)}\n{listed}"
+
+
+def _own_call() -> str:
+    """Return how this program was called, so that the next calls can be copied."""
+    called = Path(sys.argv[0])
+    return str(called) if called.name == "cell" and called.parent != Path(".") else "cell"
