@@ -26,6 +26,8 @@ from cell.profile import BoxProfile, Profile
 TURN_SPEED_DEG_S = 120.0
 """How fast the tool may turn along a line; matters where it turns more than it moves."""
 _SAME_DEG = 0.05
+KEPT_LINES = 4096
+"""How many passed lines are remembered; on a lattice of 12 x 12 there are 528 steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,8 @@ class Guard:
     ) -> None:
         self.arm = arm
         self._max_speed_mm_s = max_linear_speed_mm_s
+        # A verdict depends on nothing but the line itself: everything else is frozen.
+        self._lines: dict[tuple[JointAngles, Pose, int, float, bool], GuardedMove] = {}
         bounds = [(*box.min_mm, *box.max_mm) for box in boxes]
         self._hulls = (ArmHull(arm, hand), ArmHull(arm, loaded_hand))
         self._sweeps = tuple(Sweep(arm, hull, bounds, flange_min_z_mm) for hull in self._hulls)
@@ -119,6 +123,23 @@ class Guard:
             MotionRefused: The motion is not allowed; the error says what, by how much,
                 and how far it would be.
         """
+        line = (start, target, posture, speed_mm_s, holds_block)
+        known = self._lines.get(line)
+        if known is None:
+            known = self._check_line(*line)
+            if len(self._lines) >= KEPT_LINES:
+                self._lines.clear()
+            self._lines[line] = known
+        return known
+
+    def _check_line(
+        self,
+        start: JointAngles,
+        target: Pose,
+        posture: int,
+        speed_mm_s: float,
+        holds_block: bool,
+    ) -> GuardedMove:
         self._check_speed(speed_mm_s)
         hull, sweep = self._hulls[holds_block], self._sweeps[holds_block]
         first = self._stance(start, holds_block)

@@ -6,7 +6,9 @@ from itertools import pairwise
 
 import pytest
 
+from cell.errors import MotionRefused
 from cell.geometry import JointAngles, Pose
+from cell.motion.guard import Guard
 from cell.motion.hull import GRIPPER_RADIUS_MM, LINK_RADIUS_MM, WRIST_RADIUS_MM
 from tests.cell.motion.cells import ARM, CORNERS, GUARD, LATTICE, PROFILE, REST, SLOTS, standing
 
@@ -121,3 +123,17 @@ def test_turns_of_j6_are_told_with_the_move() -> None:
     along = GUARD.check_linear(start, ARM.forward(target), posture=7, speed_mm_s=250)
     assert along.end.deg[5] == pytest.approx(195.0)
     assert along.turns == 0x00100000
+
+
+def test_a_line_passed_once_is_not_swept_again_and_another_is() -> None:
+    guard = Guard.from_profile(PROFILE)
+    start = guard.arm.solve(Pose(510, -100, 136.5), 7)
+    first = guard.check_linear(start, Pose(510, -80, 136.5), posture=7, speed_mm_s=250)
+    again = guard.check_linear(start, Pose(510, -80, 136.5), posture=7, speed_mm_s=250)
+    assert again is first
+    held = guard.check_linear(
+        start, Pose(510, -80, 136.5), posture=7, speed_mm_s=250, holds_block=True
+    )
+    assert held is not first
+    with pytest.raises(MotionRefused):
+        guard.check_linear(start, Pose(510, -80, 136.5), posture=7, speed_mm_s=5000)
