@@ -6,19 +6,22 @@ import functools
 import tempfile
 import time
 from io import BytesIO
+from itertools import cycle
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
 from benchmarks.measure import Result, interleaved_s, median_s
+from benchmarks.serving import ACTIONS, exchange, make_ready, serve_desk, server_process
 from cell.clock import SimulatedClock
 from cell.devices.camera import CameraSettings, Frame
 from cell.events import EventBus, MotionFinished, StepTaken
 from cell.geometry import Pose
 from cell.profile import parse_profile, profile_text
 from dsl.library import library_script
-from sessions.hosting import host_twin
+from sessions.hosting import host_twin, settle_memory
 from sessions.journal import Reply, SessionStart
 from sessions.recording import (
     PictureStorage,
@@ -45,6 +48,7 @@ def run() -> list[Result]:
             _small_records(Path(folder)),
             *_views(),
             _reading(Path(folder)),
+            _served_rate(),
             *_step_rates(Path(folder)),
             _verifying(Path(folder)),
         ]
@@ -231,7 +235,7 @@ def _step_rates(folder: Path) -> list[Result]:
     plain, recorded = _Played(None), _Played(folder / "rates")
     results = []
     for name, job, repeat, number, least in (
-        ("steps, recorded", _Played.step, 40, 200, 0.9),
+        ("steps in process, recorded", _Played.step, 40, 200, None),
         ("steps with three fresh views, recorded as jpeg", _Played.step_with_views, 12, 8, 0.8),
     ):
         plain_s, recorded_s = interleaved_s(
@@ -255,6 +259,54 @@ def _step_rates(folder: Path) -> list[Result]:
     plain.close()
     recorded.close()
     return results
+
+
+def _serve_plain(pipe: Connection) -> None:
+    _serve(pipe, None)
+
+
+def _serve_recorded(pipe: Connection) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        _serve(pipe, Path(folder))
+
+
+def _serve(pipe: Connection, recordings: Path | None) -> None:
+    text = profile_text("mash")
+    hosted = host_twin(
+        served_script(library_script("mash"), "mash.cell"),
+        parse_profile(text, "mash"),
+        text,
+        seed=1,
+        clock=SimulatedClock(),
+        recordings=recordings,
+    )
+    settle_memory()
+    serve_desk(hosted.desk, pipe)
+    hosted.close()
+
+
+def _served_rate() -> Result:
+    """Return actions a second over loopback with a recorder beside those without."""
+    with server_process(_serve_plain, 2) as plain, server_process(_serve_recorded, 2) as recorded:
+        for connected in (plain, recorded):
+            make_ready(connected)
+        ways = cycle(ACTIONS)
+        plain_s, recorded_s = interleaved_s(
+            lambda: exchange(plain, next(ways)),
+            lambda: exchange(recorded, next(ways)),
+            repeat=40,
+            number=200,
+        )
+    return Result(
+        name="actions over loopback, two cores, recorded",
+        value=1 / recorded_s,
+        unit="1/s",
+        peer="the same, not recorded",
+        peer_value=1 / plain_s,
+        target=0.9,
+        target_is="at least",
+        of="ratio",
+    )
 
 
 def _verifying(folder: Path) -> Result:

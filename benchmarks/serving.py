@@ -39,8 +39,10 @@ from sessions.wire.dialects import DIALECTS
 ROUND_TRIPS = 4000
 VIEWS = 60
 TO_READY = b"INITIALIZE_TASK ReachRedCube STATIC_12x12\nBEGIN_TASK_SETUP\nEND_TASK_SETUP\n"
+_ALL_CORES = sorted(os.sched_getaffinity(0))
+"""Cores of this machine that may be used, before anything is pinned to one of them."""
 _WAYS = ("RIGHT", "LEFT")
-_ACTIONS = tuple(f"ACTION {way}\n".encode() for way in _WAYS)
+ACTIONS = tuple(f"ACTION {way}\n".encode() for way in _WAYS)
 _ACTION_REPLY = b"REWARD 0\nEVENT 'Robot move'\nSTATE_UPDATED\n"
 _GET_VIEW = b"GET_VIEW CAMERA_TOP\n"
 _VIEW_LINE = b"VIEW CAMERA_TOP image/mif 3686408\n"
@@ -149,7 +151,7 @@ def _handled_us(desk: Desk) -> float:
     session = Session(desk, DIALECTS["1.5"], "benchmark")
     for line in TO_READY.splitlines():
         session.handle(line)
-    median_us = _median_us(session.handle, [line.rstrip() for line in _ACTIONS])
+    median_us = _median_us(session.handle, [line.rstrip() for line in ACTIONS])
     session.end("measured")
     return median_us
 
@@ -167,8 +169,8 @@ def _median_us(work: Callable[[_T], object], arguments: Sequence[_T]) -> float:
 
 
 def _round_trips(name: str, serve: Serve, cores: int, step_us: float) -> list[Result]:
-    with _serving(_serve_bare_lines, cores) as bare, _serving(serve, cores) as mas:
-        _ready(mas)
+    with server_process(_serve_bare_lines, cores) as bare, server_process(serve, cores) as mas:
+        make_ready(mas)
         # Turn about, so that both see the same machine.
         bare_us, mas_us = (
             statistics.median(times)
@@ -212,8 +214,8 @@ def _round_trips(name: str, serve: Serve, cores: int, step_us: float) -> list[Re
 
 def _views(name: str, serve: Serve) -> Result:
     buffer = bytearray(_VIEW_BYTES)
-    with _serving(_serve_bare_view, 2) as bare, _serving(serve, 2) as mas:
-        _ready(mas)
+    with server_process(_serve_bare_view, 2) as bare, server_process(serve, 2) as mas:
+        make_ready(mas)
         bare_s, mas_s = (
             statistics.median(times)
             for times in zip(
@@ -232,7 +234,7 @@ def _views(name: str, serve: Serve) -> Result:
     )
 
 
-def _ready(connected: socket.socket) -> None:
+def make_ready(connected: socket.socket) -> None:
     connected.sendall(TO_READY)
     data = b""
     while not data.endswith(b"OK\nOK\n"):
@@ -242,13 +244,15 @@ def _ready(connected: socket.socket) -> None:
 
 
 def _exchange_us(connected: socket.socket) -> float:
-    def exchange(line: bytes) -> None:
-        connected.sendall(line)
-        data = connected.recv(4096)
-        while not data.endswith(b"STATE_UPDATED\n"):
-            data += connected.recv(4096)
+    return _median_us(lambda line: exchange(connected, line), ACTIONS)
 
-    return _median_us(exchange, _ACTIONS)
+
+def exchange(connected: socket.socket, line: bytes) -> None:
+    """Send an action and take its reply."""
+    connected.sendall(line)
+    data = connected.recv(4096)
+    while not data.endswith(b"STATE_UPDATED\n"):
+        data += connected.recv(4096)
 
 
 def _view_s(connected: socket.socket, buffer: bytearray) -> float:
@@ -268,10 +272,10 @@ def _fill(connected: socket.socket, buffer: bytearray) -> None:
 
 
 @contextmanager
-def _serving(serve: Serve, cores: int) -> Iterator[socket.socket]:
+def server_process(serve: Serve, cores: int) -> Iterator[socket.socket]:
     """Start a server process, pin it and this one, and yield a connection to it."""
     mine = os.sched_getaffinity(0)
-    client_core, *others = sorted(mine)
+    client_core, *others = _ALL_CORES
     server_core = others[0] if others and cores == 2 else client_core
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
@@ -298,7 +302,7 @@ def _pinned(serve: Serve, core: int, pipe: Connection) -> None:
 
 
 def _serve_idle(pipe: Connection) -> None:
-    _serve_desk(_idle_desk(), pipe)
+    serve_desk(_idle_desk(), pipe)
 
 
 def _serve_twin(pipe: Connection) -> None:
@@ -306,10 +310,10 @@ def _serve_twin(pipe: Connection) -> None:
 
     desk = _twin_desk()
     settle_memory()
-    _serve_desk(desk, pipe)
+    serve_desk(desk, pipe)
 
 
-def _serve_desk(desk: Desk, pipe: Connection) -> None:
+def serve_desk(desk: Desk, pipe: Connection) -> None:
     with MasServer(desk, [Listener("127.0.0.1", 0, "1.5")]) as server:
         pipe.send(server.addresses[0].port)
         pipe.recv()

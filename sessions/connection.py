@@ -37,6 +37,9 @@ class Conversation(Protocol):
     def handle(self, line: bytes) -> Reply:
         """Carry out a line and return the reply."""
 
+    def settle(self) -> None:
+        """Do what could wait until the reply had left."""
+
     def end(self, reason: str) -> None:
         """End the session; its connection is gone."""
 
@@ -49,6 +52,9 @@ class TurnedAway:
     def handle(self, line: bytes) -> Reply:
         """Answer whatever comes with `BUSY` and close."""
         return BUSY
+
+    def settle(self) -> None:
+        """Do nothing."""
 
     def end(self, reason: str) -> None:
         """Do nothing."""
@@ -157,6 +163,7 @@ class Connection:
         self._waiting_since_s = self._clock.now_s()
         send_reply(self._socket, reply)
         self._waiting_since_s = self._clock.now_s()
+        self._conversation.settle()
         return not reply.closes
 
     def _close(self) -> None:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+import cv2
+
 from cell.assembly import assemble_twin
 from cell.clock import Clock
 from cell.events import EventBus
@@ -65,6 +67,8 @@ def host_twin(
         CellError: What is kept of the cell cannot be used.
     """
     check_servable(script, profile)
+    # One thread renders and one records; a third, of OpenCV's own, is in their way.
+    cv2.setNumThreads(1)
     events = EventBus(clock)
     tap = SwitchedTap()
     journals: Callable[[SessionStart], Journal] = _unrecorded

@@ -37,9 +37,9 @@ class Reply:
 class Journal(Protocol):
     """Takes note of one session, from its first byte to its end.
 
-    Called by the session's thread only, in the order things happen. What was
-    noted before a reply leaves is on disk when it leaves, so that a killed
-    server has recorded every complete step.
+    Called by the session's thread only, in the order things happen. Line and reply
+    are on disk when the reply leaves, so that a killed server has recorded every
+    complete step; what happened in the cell meanwhile may follow when it has left.
     """
 
     def received(self, line: bytes) -> None:
@@ -47,6 +47,9 @@ class Journal(Protocol):
 
     def replied(self, reply: Reply) -> None:
         """A reply is about to leave."""
+
+    def settled(self) -> None:
+        """The reply has left; what could wait until now is written."""
 
     def close(self, reason: str) -> None:
         """The session is over; flush everything and finish the recording."""
@@ -59,6 +62,9 @@ class NoJournal:
         """Do nothing."""
 
     def replied(self, reply: Reply) -> None:
+        """Do nothing."""
+
+    def settled(self) -> None:
         """Do nothing."""
 
     def close(self, reason: str) -> None:

@@ -69,6 +69,14 @@ class Session:
             self.end("recording failed")
         return reply
 
+    def settle(self) -> None:
+        """Let the journal write what could wait for the reply to leave; never raises."""
+        journal = self._journal
+        if journal is not None:
+            outcome = attempt(journal.settled)
+            if isinstance(outcome, Mishap):
+                _log.error("%s: the recording has a gap: %s", self._peer, outcome.detail)
+
     def end(self, reason: str) -> None:
         """Give the cell back, clean, if this session has it; never raises."""
         if self.has_cell:

@@ -84,6 +84,7 @@ class SessionRecorder:
         self._now_s = clock.now_s
         self._counts = file.message_counts
         self._parts: list[bytes] = []
+        self._traffic: list[bytes] = []
         self._run_link = ""
         self._run: list[float] = []
         self._run_data: list[bytes] = []
@@ -116,16 +117,12 @@ class SessionRecorder:
 
     def received(self, line: bytes) -> None:
         """Note a line of the client (without its LF); it begins a step."""
-        if self._run:
-            self._end_run()
+        self.settled()
         self._step = (self._step + 1) & 0xFFFFFFFF
         self._note(self._received, self._now_s(), line)
 
     def replied(self, reply: Reply) -> None:
-        """Note the reply to the last line and write the whole step to the file."""
-        if self._run:
-            self._end_run()
-        self._note_events()
+        """Note the reply to the last line and write both to the file."""
         now_s = self._now_s()
         flags = layout.REPLY_CLOSES if reply.closes else 0
         if reply.view is not None and self._failure is None:
@@ -133,7 +130,15 @@ class SessionRecorder:
             self._note(self._view_sent, now_s, self._hand_over(reply.view, reply.data))
         head = layout.REPLY_HEAD.pack(flags, len(reply.data))
         self._note(self._replied, now_s, head + reply.text)
-        self._flush()
+        self._write(self._parts)
+
+    def settled(self) -> None:
+        """Write what happened on the wires and in the cell since the last time."""
+        if self._run:
+            self._end_run()
+        self._note_events()
+        if self._traffic:
+            self._flush()
 
     def wire(self, link: str, direction: Direction, data: bytes) -> None:
         """Note bytes on the wire of a device; after the end of the session they are not noted."""
@@ -143,7 +148,7 @@ class SessionRecorder:
                 return
             if self._run:
                 self._end_run()
-            if len(self._parts) >= _FLUSH_PARTS:
+            if len(self._traffic) >= _FLUSH_PARTS:
                 self._flush()
             self._run_link = link
         self._run += (direction == "from_device", self._now_s(), len(data))
@@ -154,10 +159,8 @@ class SessionRecorder:
         if self._is_closed:
             return
         self._is_closed = True
-        if self._run:
-            self._end_run()
+        self.settled()
         self._run_link = ""
-        self._note_events()
         self._unsubscribe()
         self._flush()
         try:
@@ -184,18 +187,22 @@ class SessionRecorder:
             self._fail(error)
 
     def _note(self, channel: int, time_s: float, data: bytes) -> None:
-        """Keep a message for the next write."""
+        """Keep a message of the conversation for the next write."""
+        self._parts += self._message(channel, time_s, data)
+
+    def _message(self, channel: int, time_s: float, data: bytes) -> tuple[bytes, bytes]:
+        """Return a message, its head apart."""
         time_ns = int(time_s * 1e9 + 0.5)
         size = MESSAGE_FIELDS_SIZE + len(data)
         head = MESSAGE_HEAD.pack(_OPCODE_MESSAGE, size, channel, self._step, time_ns, time_ns)
-        self._parts += (head, data)
         self._counts[channel] += 1
         self._end_ns = time_ns
+        return head, data
 
     def _note_events(self) -> None:
         """Keep what happened since the last time."""
         for event in self._subscription.take():
-            self._note(self._events, event.time_s, encode_event(event))
+            self._traffic += self._message(self._events, event.time_s, encode_event(event))
 
     def _hand_over(self, view: SentView, data: bytes | memoryview) -> bytes:
         """Have a view written beside the session; return the message that it was sent."""
@@ -219,16 +226,21 @@ class SessionRecorder:
         head = _wire_message(pieces).pack(
             _OPCODE_MESSAGE, size, channel, self._step, time_ns, time_ns, pieces, *run
         )
-        self._parts.append(head)
-        self._parts += data
+        self._traffic.append(head)
+        self._traffic += data
         self._counts[channel] += 1
         run.clear()
         data.clear()
 
     def _flush(self) -> None:
-        """Write all kept messages in one go."""
-        data = b"".join(self._parts)
-        self._parts.clear()
+        """Write all kept messages in one go, the conversation first."""
+        self._parts += self._traffic
+        self._traffic.clear()
+        self._write(self._parts)
+
+    def _write(self, parts: list[bytes]) -> None:
+        data = b"".join(parts)
+        parts.clear()
         if self._failure is not None:
             return
         try:

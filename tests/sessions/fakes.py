@@ -183,6 +183,9 @@ class FakeJournal:
     def replied(self, reply: Reply) -> None:
         self.notes.append(("replied", reply.text))
 
+    def settled(self) -> None:
+        pass
+
     def close(self, reason: str) -> None:
         self.notes.append(("closed", reason))
 

@@ -143,9 +143,12 @@ def test_a_step_is_in_the_file_when_its_reply_leaves(tmp_path: Path) -> None:
     bench.recorder.close("over")
 
 
-def test_a_step_leaves_in_one_write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_step_is_written_at_once_and_its_traffic_when_it_has_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     bench = a_bench(tmp_path)
     bench.step(1)
+    bench.recorder.settled()
     writes: list[int] = []
     real_write = os.write
 
@@ -156,6 +159,11 @@ def test_a_step_leaves_in_one_write(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(os, "write", counting)
     bench.step(2)
     assert len(writes) == 1
+    recording = SessionRecording.open(bench.path)
+    assert list(recording.steps())[-1].reply is not None
+    bench.recorder.settled()
+    bench.recorder.settled()
+    assert len(writes) == 2
     bench.recorder.close("over")
 
 
