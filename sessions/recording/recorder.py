@@ -1,7 +1,7 @@
 """Writes a session down while it runs: the journal, the tap on the wires, the events.
 
-Small messages of a step gather in a buffer that leaves in one write before the
-step's reply does. Views are finished later by a thread of their own, so a reply
+Line and reply of a step leave in one write before the reply does; what happened on
+the wires and in the cell follows in another when it has left. Views are finished later by a thread of their own, so a reply
 that carries one only names its number (`client/view_sent`); the record in
 `views/*` follows.
 """

@@ -81,6 +81,8 @@ def test_posture_7_is_the_only_one_that_reaches_every_place() -> None:
 def test_rest_hides_nothing_from_the_top_camera() -> None:
     camera = PROFILE.twin.cameras["top"].position_mm
     surface_mm = PROFILE.heights.surface_mm
+    screen = PROFILE.display
+    near, left = screen.corner_x_mm, screen.corner_y_mm + screen.width_px * screen.pixel_mm
     points = ARM.link_points_mm(REST.deg)
     radii = [LINK_RADIUS_MM] * 4 + [WRIST_RADIUS_MM, GRIPPER_RADIUS_MM]
     for start, end, radius in zip(points, points[1:], radii, strict=False):
@@ -89,8 +91,7 @@ def test_rest_hides_nothing_from_the_top_camera() -> None:
             grow = (camera[2] - surface_mm) / (camera[2] - z)
             shadow_x = camera[0] + (x - camera[0]) * grow
             shadow_y = camera[1] + (y - camera[1]) * grow
-            # The picture shows robot x 263..761 and y -460..425 of the glass.
-            assert shadow_x + radius * grow < 263 or shadow_y - radius * grow > 425
+            assert shadow_x + radius * grow < near or shadow_y - radius * grow > left
 
 
 def test_joint_move_lasts_as_long_as_its_slowest_joint() -> None:
