@@ -1,9 +1,9 @@
 """Writes a session down while it runs: the journal, the tap on the wires, the events.
 
 Line and reply of a step leave in one write before the reply does; what happened on
-the wires and in the cell follows in another when it has left. Views are finished later by a thread of their own, so a reply
-that carries one only names its number (`client/view_sent`); the record in
-`views/*` follows.
+the wires and in the cell follows in another when it has left. Views are finished later
+by a thread of their own, so a reply that carries one only names its number
+(`client/view_sent`); the record in `views/*` follows.
 """
 
 from __future__ import annotations
