@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cell.errors import StoreError
@@ -85,15 +84,3 @@ def place_of_slot(slot: StoreSlot, store: StoreProfile) -> TablePlace:
         y_mm=store.corner_mm[1] + sin * slot.x_mm - cos * slot.y_mm,
         yaw_deg=store.angle_deg,
     )
-
-
-def free_slot(plan: StorePlan, kind: str, colour: str, taken: Sequence[int]) -> StoreSlot:
-    """Return the lowest slot of a kind and colour that is not taken.
-
-    Raises:
-        StoreError: There is none.
-    """
-    for slot in plan.slots_of(kind, colour):
-        if slot.number not in taken:
-            return slot
-    raise StoreError(f"the store has no free slot for a {colour} {kind}")

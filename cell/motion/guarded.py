@@ -102,16 +102,7 @@ class GuardedArm:
                 start, target, posture=posture, speed_mm_s=self._speed_mm_s, holds_block=holds_block
             )
         )
-        self._run(
-            move,
-            lambda: self._arm.move(
-                target,
-                interpolation="linear",
-                posture=move.posture,
-                turns=move.turns,
-                expected_s=move.duration_s,
-            ),
-        )
+        self._go(move, target)
 
     def move_joint(self, target: Pose, *, holds_block: bool = False) -> None:
         """Move to a pose with all joints at once; the path between is a curve.
@@ -127,16 +118,7 @@ class GuardedArm:
                 start, target, posture=posture, percent=self._percent, holds_block=holds_block
             )
         )
-        self._run(
-            move,
-            lambda: self._arm.move(
-                target,
-                interpolation="joint",
-                posture=move.posture,
-                turns=move.turns,
-                expected_s=move.duration_s,
-            ),
-        )
+        self._go(move, target)
 
     def move_joints(self, target: JointAngles, *, holds_block: bool = False) -> None:
         """Move every joint to an angle.
@@ -166,6 +148,19 @@ class GuardedArm:
         except (MotionRefused, UnreachablePose) as refusal:
             self._events.emit(MotionRejected(str(refusal)))
             raise
+
+    def _go(self, move: GuardedMove, target: Pose) -> None:
+        """Send the arm to a pose, the way that the guard has passed."""
+        self._run(
+            move,
+            lambda: self._arm.move(
+                target,
+                interpolation=move.interpolation,
+                posture=move.posture,
+                turns=move.turns,
+                expected_s=move.duration_s,
+            ),
+        )
 
     def _run(self, move: GuardedMove, send: Callable[[], None]) -> None:
         self._joints = self._pose = None

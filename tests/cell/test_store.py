@@ -2,7 +2,7 @@ import pytest
 
 from cell.errors import StoreError
 from cell.profile import StoreProfile
-from cell.store import StorePlan, StoreSlot, free_slot, place_of_slot
+from cell.store import StorePlan, StoreSlot, place_of_slot
 
 PLAN = StorePlan(
     (
@@ -24,13 +24,11 @@ def test_a_turned_plan_turns_its_slots_and_their_blocks() -> None:
     assert place.yaw_deg == 90
 
 
-def test_the_lowest_free_slot_is_taken() -> None:
-    assert free_slot(PLAN, "cube", "red", []).number == 7
-    assert free_slot(PLAN, "cube", "red", [7]).number == 8
+def test_slots_of_a_kind_and_colour_come_lowest_first() -> None:
+    assert [slot.number for slot in PLAN.slots_of("cube", "red")] == [7, 8]
+    assert PLAN.slots_of("cube", "blue") == ()
 
 
-def test_a_full_store_and_an_unknown_slot_are_refused_by_name() -> None:
-    with pytest.raises(StoreError, match="no free slot for a red cube"):
-        free_slot(PLAN, "cube", "red", [7, 8])
+def test_an_unknown_slot_is_refused_by_name() -> None:
     with pytest.raises(StoreError, match=r"no slot 99; it has 8, 7, 13"):
         PLAN.slot(99)
