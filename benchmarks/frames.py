@@ -99,7 +99,7 @@ def _frame_ms(name: str) -> float:
         Scene(
             revision=i,
             blocks=blocks,
-            joints_deg=arm.solve(pose, profile.arm.posture).deg,
+            joints_deg=arm.solve(pose, profile.arm.posture).values,
             opening_mm=60.0,
             picture="forest",
             are_lights_on=True,

@@ -16,7 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from benchmarks.measure import Result, median_s
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.kinematics import SixAxisArm
 from cell.motion.guard import Guard
 from cell.profile import load_profile
@@ -38,7 +38,7 @@ def run() -> list[Result]:
 
 
 def _single(arm: SixAxisArm) -> list[Result]:
-    joints = [JointAngles(tuple(angles)) for angles in _joints(arm, SINGLE_POSES).tolist()]
+    joints = [JointPositions(tuple(angles)) for angles in _joints(arm, SINGLE_POSES).tolist()]
     poses = [arm.forward(angles) for angles in joints]
     cases = [(pose, arm.posture(angles)) for pose, angles in zip(poses, joints, strict=True)]
     iterative_us = _micro(_clik(joints), SINGLE_POSES)
@@ -53,7 +53,7 @@ def _single(arm: SixAxisArm) -> list[Result]:
 
     def forward_all() -> None:
         for angles in joints:
-            arm.chain(angles.deg)
+            arm.chain(angles.values)
 
     library = "pinocchio, one solution by iteration"
     return [
@@ -156,10 +156,10 @@ def _placement(d: float, a: float, alpha_deg: float, offset_deg: float) -> NDArr
     )
 
 
-def _pin_forward(joints: list[JointAngles]) -> Callable[[], None]:
+def _pin_forward(joints: list[JointPositions]) -> Callable[[], None]:
     model = _model()
     data = model.createData()
-    angles = [np.radians(one.deg) for one in joints]
+    angles = [np.radians(one.values) for one in joints]
 
     def job() -> None:
         for q in angles:
@@ -168,7 +168,7 @@ def _pin_forward(joints: list[JointAngles]) -> Callable[[], None]:
     return job
 
 
-def _clik(joints: list[JointAngles]) -> Callable[[], None]:
+def _clik(joints: list[JointPositions]) -> Callable[[], None]:
     """Return closed-loop inverse kinematics, started 0.2 rad off, to 1e-6 (m, rad)."""
     model = _model()
     data = model.createData()
@@ -176,7 +176,7 @@ def _clik(joints: list[JointAngles]) -> Callable[[], None]:
     source = random.Random(SEED)
     cases = []
     for one in joints:
-        q = np.radians(one.deg)
+        q = np.radians(one.values)
         pin.framesForwardKinematics(model, data, q)
         seed = q + np.array([source.uniform(-0.2, 0.2) for _ in range(6)])
         cases.append((data.oMf[frame].copy(), seed))

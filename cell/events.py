@@ -41,6 +41,54 @@ class DeviceFailed:
 
 
 @dataclass(frozen=True, slots=True)
+class DeviceSkipped:
+    """Something was left out because the profile disables the device."""
+
+    device: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class RequestRepeated:
+    """A request that may be repeated was sent again, because the answer was lost or broken."""
+
+    device: str
+    problem: str
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceRecovered:
+    """A device that had failed is in service again."""
+
+    device: str
+    how: str
+
+
+@dataclass(frozen=True, slots=True)
+class ArmHeld:
+    """The arm was stopped after a fault; it moves again only after a check."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ResumeChecked:
+    """Pose, grip and clearance were checked before the arm may move again."""
+
+    is_clear: bool
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentTested:
+    """The watchdog tested a component."""
+
+    component: str
+    is_ok: bool
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
 class MotionFinished:
     """The arm arrived at `pose` (robot frame, tool point)."""
 
@@ -130,6 +178,12 @@ Body: TypeAlias = (
     DeviceOpened
     | DeviceClosed
     | DeviceFailed
+    | DeviceSkipped
+    | RequestRepeated
+    | DeviceRecovered
+    | ArmHeld
+    | ResumeChecked
+    | ComponentTested
     | MotionFinished
     | MotionRejected
     | BlockGripped

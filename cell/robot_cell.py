@@ -18,7 +18,7 @@ from cell.events import (
     LightsSwitched,
     PictureShown,
 )
-from cell.geometry import JointAngles, LatticeMap, Pose
+from cell.geometry import JointPositions, LatticeMap, Pose
 from cell.ledger import Ledger
 from cell.manipulation import Deployment, Manipulator, Progress, no_progress
 from cell.motion.guarded import GuardedArm
@@ -181,7 +181,7 @@ class RobotCell:
         x_mm, y_mm = self.lattice.to_robot(x, y)
         self.move_to(x_mm, y_mm, height_mm, rotation_deg)
 
-    def move_joints(self, joints: JointAngles) -> None:
+    def move_joints(self, joints: JointPositions) -> None:
         """Move every joint to an angle."""
         self.arm.move_joints(joints)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cell.robot_cell import RobotCell
+from cell.twin.behind import Behind
 from cell.twin.keeping import dump_world, load_world
 from cell.twin.world import World
 
@@ -12,9 +13,11 @@ class TwinCell(RobotCell):
 
     Attributes:
         world: The twin's truth; only tests may look into it.
+        behind: The emulated devices and their wires, to press buttons and inject faults.
     """
 
     world: World
+    behind: Behind
 
     def begin_session(self, seed: int) -> None:
         """Seed the twin's chance and count frames anew, so that a session repeats."""

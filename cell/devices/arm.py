@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 
 Interpolation = Literal["joint", "linear"]
 
@@ -55,13 +55,13 @@ class Arm(Protocol):
         how long the caller thinks it takes; the driver need not ask before that.
         """
 
-    def move_joints(self, joints: JointAngles, *, expected_s: float = 0.0) -> None:
+    def move_joints(self, joints: JointPositions, *, expected_s: float = 0.0) -> None:
         """Move every joint to its angle and return when the arm stands there."""
 
     def read_pose(self) -> Pose:
         """Return where the tool point is."""
 
-    def read_joints(self) -> JointAngles:
+    def read_joints(self) -> JointPositions:
         """Return the joint angles."""
 
     def read_state(self) -> ArmState:

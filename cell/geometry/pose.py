@@ -1,4 +1,4 @@
-"""Where a tool is: Cartesian poses and joint angles."""
+"""Where a tool is: Cartesian poses and joint positions."""
 
 from __future__ import annotations
 
@@ -32,10 +32,14 @@ class Pose:
 
 
 @dataclass(frozen=True, slots=True)
-class JointAngles:
-    """Joint angles in controller convention, J1 first, in degrees."""
+class JointPositions:
+    """Where every joint stands, in controller convention, J1 first.
 
-    deg: tuple[float, ...]
+    Degrees for joints that turn, millimetres for those that slide (the third of a SCARA);
+    which is which, the arm's kinematics knows.
+    """
+
+    values: tuple[float, ...]
 
     def __str__(self) -> str:
-        return "(" + ", ".join(f"{angle:.2f}" for angle in self.deg) + ") deg"
+        return "(" + ", ".join(f"{value:.2f}" for value in self.values) + ")"

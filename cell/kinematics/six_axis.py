@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.errors import ProfileError, UnreachablePose
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.kinematics.batch import BatchKinematics
 from cell.kinematics.closed_form import ClosedForm, Joints, LinkPoints, OutOfReach
 from cell.kinematics.flags import NON_FLIP, RIGHT, axis_turns, turns_flag
 from cell.kinematics.geometry import GEOMETRIES, SixAxisGeometry
 from cell.kinematics.rotation import Matrix34, matrix_from_pose, pose_from_matrix
 from cell.kinematics.solutions import IkSolution, LimitViolation, ReachProblem
-from cell.profile import ArmProfile
+from cell.profile import MelfaProfile
 
 _NAMES = ("J1", "J2", "J3", "J4", "J5", "J6")
 _LIMIT_SLACK_DEG = 1e-7
@@ -57,7 +57,7 @@ class SixAxisArm:
         self._low6, self._high6 = self._low[5], self._high[5]
 
     @staticmethod
-    def from_profile(profile: ArmProfile) -> SixAxisArm:
+    def from_profile(profile: MelfaProfile) -> SixAxisArm:
         """Return the arm that a profile describes."""
         return SixAxisArm(
             GEOMETRIES[profile.model],
@@ -67,13 +67,13 @@ class SixAxisArm:
             profile.tool_mm,
         )
 
-    def forward(self, joints: JointAngles) -> Pose:
+    def forward(self, joints: JointPositions) -> Pose:
         """Return the pose of the tool point."""
-        return pose_from_matrix(self._form.chain(joints.deg)[1])
+        return pose_from_matrix(self._form.chain(joints.values)[1])
 
-    def flange(self, joints: JointAngles) -> Pose:
+    def flange(self, joints: JointPositions) -> Pose:
         """Return the pose of the flange."""
-        return pose_from_matrix(self._bare.chain(joints.deg)[1])
+        return pose_from_matrix(self._bare.chain(joints.values)[1])
 
     def chain(self, joints_deg: tuple[float, ...]) -> tuple[LinkPoints, Matrix34]:
         """Return link points and tool matrix of six joint angles in one go."""
@@ -87,13 +87,13 @@ class SixAxisArm:
         """Return robot-from-tool, the upper three rows in twelve floats."""
         return self._form.chain(joints_deg)[1]
 
-    def posture(self, joints: JointAngles) -> int:
+    def posture(self, joints: JointPositions) -> int:
         """Return the controller's flag FL1 of joint angles."""
-        return self._form.posture(joints.deg)
+        return self._form.posture(joints.values)
 
-    def turns(self, joints: JointAngles) -> int:
+    def turns(self, joints: JointPositions) -> int:
         """Return the controller's flag FL2 of joint angles."""
-        return turns_flag(joints.deg)
+        return turns_flag(joints.values)
 
     def violations(self, joints_deg: tuple[float, ...]) -> tuple[LimitViolation, ...]:
         """Return every joint limit that the angles violate."""
@@ -108,7 +108,7 @@ class SixAxisArm:
             ]
         )  # fmt: skip
 
-    def inverse(self, pose: Pose, near: JointAngles | None = None) -> tuple[IkSolution, ...]:
+    def inverse(self, pose: Pose, near: JointPositions | None = None) -> tuple[IkSolution, ...]:
         """Return every solution of a pose, also those outside the joint limits.
 
         There are eight at most: none on a side that is out of reach, and where J5 is 0
@@ -117,7 +117,7 @@ class SixAxisArm:
         keeps its angle in `near`, or is 0: J4 where J5 is 0, J1 where the wrist lies on
         the J1 axis.
         """
-        near_deg = None if near is None else near.deg
+        near_deg = None if near is None else near.values
         l1, l2, l3, l4, l5, l6 = self._low
         h1, h2, h3, h4, h5, h6 = self._high
         solutions = []
@@ -132,7 +132,7 @@ class SixAxisArm:
             )  # fmt: skip
             solutions.append(
                 IkSolution(
-                    JointAngles(joints),
+                    JointPositions(joints),
                     posture,
                     0 if -180.0 <= j6 <= 180.0 else turns_flag(joints),
                     () if is_allowed else self.violations(joints),
@@ -144,9 +144,9 @@ class SixAxisArm:
         self,
         pose: Pose,
         posture: int,
-        near: JointAngles | None = None,
+        near: JointPositions | None = None,
         turns: int | None = None,
-    ) -> JointAngles:
+    ) -> JointPositions:
         """Return the joint angles of a pose in one posture.
 
         Args:
@@ -161,7 +161,7 @@ class SixAxisArm:
         """
         matrix = matrix_from_pose(pose)
         try:
-            joints = self._form.branch(matrix, posture, None if near is None else near.deg)
+            joints = self._form.branch(matrix, posture, None if near is None else near.values)
         except OutOfReach:
             raise self._unreachable(pose, posture) from None
         j6 = joints[5]
@@ -173,7 +173,7 @@ class SixAxisArm:
         for low, angle, high in zip(self._low, joints, self._high, strict=True):
             if not low <= angle <= high:
                 raise _as_error(pose, self._limit_problem(self.violations(joints), posture))
-        return JointAngles(joints)
+        return JointPositions(joints)
 
     def follow(self, matrix: Matrix34, posture: int, near_deg: tuple[float, ...] | None) -> Joints:
         """Return the joint angles of one posture, continuous with `near_deg`, unlimited.
@@ -189,21 +189,25 @@ class SixAxisArm:
         except OutOfReach:
             raise self._unreachable(pose_from_matrix(matrix), posture) from None
 
-    def equivalents(self, joints: JointAngles) -> tuple[JointAngles, ...]:
+    def equivalents(self, joints: JointPositions) -> tuple[JointPositions, ...]:
         """Return the joint angles with J6 in every turn that its limits allow."""
-        first = joints.deg[:5]
-        return tuple(JointAngles((*first, angle)) for angle in self._turns_of(joints.deg[5]))
+        first = joints.values[:5]
+        return tuple(JointPositions((*first, angle)) for angle in self._turns_of(joints.values[5]))
 
-    def jacobian(self, joints: JointAngles) -> NDArray[np.float64]:
+    def jacobian(self, joints: JointPositions) -> NDArray[np.float64]:
         """Return the geometric Jacobian of the tool point, shape (6, 6), robot frame.
 
         Rows 0 to 2 are the tool point's velocity in mm for each deg of a joint, rows 3
         to 5 the tool's angular velocity in deg for each deg of a joint (a vector along
         the axis of rotation, not the rates of A, B, C).
         """
-        points, matrix = self._form.chain(joints.deg)
+        points, matrix = self._form.chain(joints.values)
         tool = np.array(points[6])
-        q1, q23, q4 = radians(joints.deg[0]), radians(sum(joints.deg[1:3])), radians(joints.deg[3])
+        q1, q23, q4 = (
+            radians(joints.values[0]),
+            radians(sum(joints.values[1:3])),
+            radians(joints.values[3]),
+        )
         c1, s1, c23, s23, c4, s4 = cos(q1), sin(q1), cos(q23), sin(q23), cos(q4), sin(q4)
         level = (-s1, c1, 0.0)
         forearm = (c1 * s23, s1 * s23, c23)
@@ -314,7 +318,7 @@ def _stands_in(solution: IkSolution, posture: int | None) -> bool:
     """Return whether a solution has a posture; a straight wrist is flip and non-flip."""
     if posture is None or solution.posture == posture:
         return True
-    return solution.joints.deg[4] == 0.0 and solution.posture == posture | NON_FLIP
+    return solution.joints.values[4] == 0.0 and solution.posture == posture | NON_FLIP
 
 
 def _as_error(pose: Pose, problem: ReachProblem) -> UnreachablePose:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cell.geometry import JointAngles
+from cell.geometry import JointPositions
 from cell.kinematics.flags import posture_name
 
 
@@ -41,7 +41,7 @@ class IkSolution(NamedTuple):
         violations: The joint limits it would violate; empty when the arm can stand so.
     """
 
-    joints: JointAngles
+    joints: JointPositions
     posture: int
     turns: int
     violations: tuple[LimitViolation, ...]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from cell.devices.arm import Interpolation
 from cell.errors import MotionRefused, UnreachablePose
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.kinematics import Joints, SixAxisArm, matrix_from_pose
 from cell.motion.explain import Explainer
 from cell.motion.hull import ArmHull, HandShape, Stance
@@ -45,8 +45,8 @@ class GuardedMove:
     """
 
     interpolation: Interpolation
-    start: JointAngles
-    end: JointAngles
+    start: JointPositions
+    end: JointPositions
     end_pose: Pose
     posture: int
     turns: int
@@ -78,7 +78,7 @@ class Guard:
         self.arm = arm
         self._max_speed_mm_s = max_linear_speed_mm_s
         # A verdict depends on nothing but the line itself: everything else is frozen.
-        self._lines: dict[tuple[JointAngles, Pose, int, float, bool], GuardedMove] = {}
+        self._lines: dict[tuple[JointPositions, Pose, int, float, bool], GuardedMove] = {}
         bounds = [(*box.min_mm, *box.max_mm) for box in boxes]
         self._hulls = (ArmHull(arm, hand), ArmHull(arm, loaded_hand))
         self._sweeps = tuple(Sweep(arm, hull, bounds, flange_min_z_mm) for hull in self._hulls)
@@ -103,7 +103,7 @@ class Guard:
 
     def check_linear(
         self,
-        start: JointAngles,
+        start: JointPositions,
         target: Pose,
         *,
         posture: int,
@@ -134,7 +134,7 @@ class Guard:
 
     def _check_line(
         self,
-        start: JointAngles,
+        start: JointPositions,
         target: Pose,
         posture: int,
         speed_mm_s: float,
@@ -156,7 +156,12 @@ class Guard:
         return self._passed("linear", start, last.joints, target, posture, duration_s)
 
     def check_joint(
-        self, start: JointAngles, target: JointAngles, *, percent: float, holds_block: bool = False
+        self,
+        start: JointPositions,
+        target: JointPositions,
+        *,
+        percent: float,
+        holds_block: bool = False,
     ) -> GuardedMove:
         """Check a move of all joints at once to joint angles.
 
@@ -175,7 +180,7 @@ class Guard:
 
     def check_pose_joint(
         self,
-        start: JointAngles,
+        start: JointPositions,
         target: Pose,
         *,
         posture: int,
@@ -200,7 +205,7 @@ class Guard:
 
     def _check_joint(
         self,
-        start: JointAngles,
+        start: JointPositions,
         end: Joints,
         pose: Pose,
         posture: int,
@@ -222,7 +227,7 @@ class Guard:
         if fault is not None:
             raise self._explainers[holds_block].refusal(path, last, fault, None, percent)
         self._recent[holds_block] = last
-        duration_s = 100.0 / percent * self._fastest_s(start.deg, end)
+        duration_s = 100.0 / percent * self._fastest_s(start.values, end)
         return self._passed("joint", start, end, pose, posture, duration_s)
 
     def _travel(
@@ -235,10 +240,10 @@ class Guard:
                 return here, fault
         return sweep.walk(path, here, 1.0, duration_s)
 
-    def _stance(self, start: JointAngles, holds_block: bool) -> Stance:
+    def _stance(self, start: JointPositions, holds_block: bool) -> Stance:
         """Return the stance of a start, most often that of the last move's end."""
         recent = self._recent[holds_block]
-        if recent is not None and recent.joints == start.deg:
+        if recent is not None and recent.joints == start.values:
             return recent._replace(t=0.0)
         return self._hulls[holds_block].stance(0.0, _six(start))
 
@@ -249,7 +254,7 @@ class Guard:
         the arm is nearly stretched; the reason is the target.
         """
         try:
-            return _six(self.arm.solve(target, posture, JointAngles(first.joints)))
+            return _six(self.arm.solve(target, posture, JointPositions(first.joints)))
         except UnreachablePose as error:
             raise self._explainers[holds_block].unreachable(
                 first, target, posture, error
@@ -285,17 +290,17 @@ class Guard:
     def _passed(
         self,
         interpolation: Interpolation,
-        start: JointAngles,
+        start: JointPositions,
         end: Joints,
         pose: Pose,
         posture: int,
         duration_s: float,
     ) -> GuardedMove:
-        joints = JointAngles(end)
+        joints = JointPositions(end)
         turns = self.arm.turns(joints)
         return GuardedMove(interpolation, start, joints, pose, posture, turns, duration_s)
 
 
-def _six(joints: JointAngles) -> Joints:
-    j1, j2, j3, j4, j5, j6 = joints.deg
+def _six(joints: JointPositions) -> Joints:
+    j1, j2, j3, j4, j5, j6 = joints.values
     return (j1, j2, j3, j4, j5, j6)

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from cell.devices.arm import Arm
 from cell.errors import CellError, DeviceError, MotionRefused, UnreachablePose
 from cell.events import DeviceFailed, EventBus, MotionFinished, MotionRejected
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.motion.guard import Guard, GuardedMove
-from cell.profile import ArmProfile
+from cell.profile import MelfaProfile
 from cell.stop import StopToken
 
 
@@ -21,14 +21,14 @@ class GuardedArm:
     """
 
     def __init__(
-        self, arm: Arm, guard: Guard, profile: ArmProfile, events: EventBus, stop: StopToken
+        self, arm: Arm, guard: Guard, profile: MelfaProfile, events: EventBus, stop: StopToken
     ) -> None:
         self._arm = arm
         self._guard = guard
         self._profile = profile
         self._events = events
         self._stop = stop
-        self._joints: JointAngles | None = None
+        self._joints: JointPositions | None = None
         self._pose: Pose | None = None
         self._speed_mm_s = profile.linear_speed_mm_s
         self._percent = profile.joint_speed_percent
@@ -70,7 +70,7 @@ class GuardedArm:
         self._arm.set_speed(speed_mm_s, joint_percent)
         self._speed_mm_s, self._percent = speed_mm_s, joint_percent
 
-    def joints(self) -> JointAngles:
+    def joints(self) -> JointPositions:
         """Return where the joints stand."""
         if self._joints is None:
             self._joints = self._arm.read_joints()
@@ -120,7 +120,7 @@ class GuardedArm:
         )
         self._go(move, target)
 
-    def move_joints(self, target: JointAngles, *, holds_block: bool = False) -> None:
+    def move_joints(self, target: JointPositions, *, holds_block: bool = False) -> None:
         """Move every joint to an angle.
 
         Raises:
@@ -137,7 +137,7 @@ class GuardedArm:
 
     def rest(self) -> None:
         """Stand aside, out of every camera's way."""
-        rest = JointAngles(self._profile.rest_deg)
+        rest = JointPositions(self._profile.rest_deg)
         if self.joints() != rest:
             self.move_joints(rest)
 

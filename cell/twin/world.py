@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from cell.clock import Clock
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.profile import Profile
 from cell.twin.blocks import BlockField, TwinBlock
 from cell.twin.bodies import FingerMotion, JointPath, JointTuple
@@ -33,7 +33,7 @@ _SMALL_TURN_DEG = 15.0
 class ToolKinematics(Protocol):
     """What the world needs to know of the arm."""
 
-    def forward(self, joints: JointAngles) -> Pose:
+    def forward(self, joints: JointPositions) -> Pose:
         """Return the pose of the tool point."""
 
 
@@ -67,7 +67,7 @@ class World:
         self._generator = random.Random(seed)
         self._joints: JointTuple = profile.arm.rest_deg
         self._tool_joints: JointTuple = self._joints
-        self._tool_pose = kinematics.forward(JointAngles(self._joints))
+        self._tool_pose = kinematics.forward(JointPositions(self._joints))
         self._path: JointPath | None = None
         self._swept_s = 0.0
         self._opening_mm = profile.gripper.open_mm
@@ -290,7 +290,7 @@ class World:
         """Return the tool point's pose; the last one asked for is remembered."""
         if joints != self._tool_joints:
             self._tool_joints = joints
-            self._tool_pose = self._kinematics.forward(JointAngles(joints))
+            self._tool_pose = self._kinematics.forward(JointPositions(joints))
         return self._tool_pose
 
     def _settle(self, now_s: float) -> None:

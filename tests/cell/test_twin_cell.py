@@ -13,7 +13,7 @@ import pytest
 from cell.assembly import assemble_twin
 from cell.clock import SimulatedClock
 from cell.errors import DeviceError, GripFailed, MotionRefused, Stopped, StoreError
-from cell.geometry import JointAngles
+from cell.geometry import JointPositions
 from cell.manipulation import Deployment, no_progress
 from cell.picture_cleaning import bring_home, seeing_camera
 from cell.profile import load_profile
@@ -129,8 +129,8 @@ def test_moves_by_pose_lattice_and_joints_end_where_asked(cell: TwinCell) -> Non
     cell.move_to_lattice(2, 3)
     pose = cell.read_pose()
     assert (pose.x_mm, pose.y_mm, pose.z_mm) == pytest.approx((650.0, -225.0, 200.0), abs=0.02)
-    cell.move_joints(JointAngles((10.0, 20.0, 100.0, 0.0, 60.0, 0.0)))
-    assert cell.arm.arm.read_joints().deg == pytest.approx((10, 20, 100, 0, 60, 0), abs=0.02)
+    cell.move_joints(JointPositions((10.0, 20.0, 100.0, 0.0, 60.0, 0.0)))
+    assert cell.arm.arm.read_joints().values == pytest.approx((10, 20, 100, 0, 60, 0), abs=0.02)
 
 
 def test_a_refused_move_sends_nothing(cell: TwinCell) -> None:

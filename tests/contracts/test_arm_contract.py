@@ -11,7 +11,7 @@ from cell.clock import SimulatedClock
 from cell.devices.arm import Arm
 from cell.drivers.melfa_r3.driver import MelfaArm
 from cell.errors import DeviceError, DeviceTimeout
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.links.scripted import ScriptedLink
 from tests.contracts.arm.rig import ABOVE, ARM_SETTINGS, PROFILE, ArmRig
 
@@ -127,7 +127,7 @@ def test_the_expected_time_changes_nothing_but_the_questions(play: Play) -> None
 def test_a_joint_move_ends_at_its_angles(play: Play) -> None:
     def scenario(bench: Bench) -> None:
         bench.arm.open()
-        target = JointAngles((80.0, -20.0, 110.0, 10.0, 80.0, -5.0))
+        target = JointPositions((80.0, -20.0, 110.0, 10.0, 80.0, -5.0))
         bench.arm.move_joints(target, expected_s=0.5)
         assert bench.arm.read_joints() == target
 
@@ -185,9 +185,9 @@ def test_joints_beyond_a_limit_are_refused(play: Play) -> None:
     def scenario(bench: Bench) -> None:
         bench.arm.open()
         with pytest.raises(DeviceError) as caught:
-            bench.arm.move_joints(JointAngles((171.0, 0.0, 90.0, 0.0, 90.0, 0.0)))
+            bench.arm.move_joints(JointPositions((171.0, 0.0, 90.0, 0.0, 90.0, 0.0)))
         assert caught.value.code == 2602
-        assert bench.arm.read_joints() == JointAngles(PROFILE.rest_deg)
+        assert bench.arm.read_joints() == JointPositions(PROFILE.rest_deg)
 
     play(scenario)
 
@@ -260,7 +260,7 @@ def test_a_dead_arm_is_a_timeout_everywhere(play: Play) -> None:
             bench.arm.stop,
             bench.arm.reset_alarm,
             lambda: bench.arm.move(ABOVE, interpolation="linear", posture=7),
-            lambda: bench.arm.move_joints(JointAngles(PROFILE.rest_deg)),
+            lambda: bench.arm.move_joints(JointPositions(PROFILE.rest_deg)),
             lambda: bench.arm.set_output(8, is_on=True),
             lambda: bench.arm.read_output(8),
             lambda: bench.arm.set_speed(100.0, 10.0),

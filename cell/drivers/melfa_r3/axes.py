@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from cell.drivers.melfa_r3.codec import GarbledMessage
 from cell.drivers.melfa_r3.fields import finite_field, flags_field
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 
 CARTESIAN = ("X", "Y", "Z", "A", "B", "C")
 JOINTS = ("J1", "J2", "J3", "J4", "J5", "J6")
@@ -88,7 +88,7 @@ def pose_of(report: AxisReport) -> Pose:
     raise GarbledMessage(f"the pose has axes {report.names} with values {report.values}")
 
 
-def joints_of(report: AxisReport) -> JointAngles:
+def joints_of(report: AxisReport) -> JointPositions:
     """Return the joint angles that a JPOSF reply gives.
 
     Raises:
@@ -96,5 +96,5 @@ def joints_of(report: AxisReport) -> JointAngles:
     """
     angles = tuple([value for value in report.values if value is not None])
     if report.names == JOINTS and len(angles) == len(JOINTS):
-        return JointAngles(angles)
+        return JointPositions(angles)
     raise GarbledMessage(f"the joints are {report.names} with values {report.values}")

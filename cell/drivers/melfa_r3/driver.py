@@ -22,7 +22,7 @@ from cell.drivers.melfa_r3.settings import ArmSettings
 from cell.drivers.melfa_r3.statements import SetFigure, print_joints, print_position
 from cell.drivers.melfa_r3.tables import Run, Stop
 from cell.errors import CellError, DeviceError, DeviceTimeout
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.links.base import Link
 
 _log = logging.getLogger(__name__)
@@ -168,7 +168,7 @@ class MelfaArm:
             raise self._dialogue.garbled(error) from error
         return _away_mm(here, pose) <= self._settings.arrival_mm
 
-    def move_joints(self, joints: JointAngles, *, expected_s: float = 0.0) -> None:
+    def move_joints(self, joints: JointPositions, *, expected_s: float = 0.0) -> None:
         """Move every joint to its angle and return when all are there.
 
         Raises:
@@ -203,7 +203,7 @@ class MelfaArm:
         except GarbledMessage as error:
             raise self._dialogue.garbled(error) from error
 
-    def read_joints(self) -> JointAngles:
+    def read_joints(self) -> JointPositions:
         """Return the joint angles."""
         report = self.panel.axes("JPOSF")
         try:
@@ -311,7 +311,7 @@ class MelfaArm:
             self._clock.sleep(self._settings.servo_poll_s)
             state = self.panel.short_state()
 
-    def _await_end(self, expected_s: float, target: Pose | JointAngles | str) -> None:
+    def _await_end(self, expected_s: float, target: Pose | JointPositions | str) -> None:
         """Wait until the move is over; on an alarm or a time-out stop the arm and raise."""
         clock = self._clock
         deadline_s = clock.now_s() + self._settings.move_timeout_s
@@ -338,9 +338,11 @@ class MelfaArm:
                 )
             clock.sleep(self._settings.poll_s)
 
-    def _require_joints(self, joints: JointAngles) -> None:
+    def _require_joints(self, joints: JointPositions) -> None:
         here = self.read_joints()
-        for number, (is_deg, want_deg) in enumerate(zip(here.deg, joints.deg, strict=True), 1):
+        for number, (is_deg, want_deg) in enumerate(
+            zip(here.values, joints.values, strict=True), 1
+        ):
             if abs(is_deg - want_deg) > self._settings.arrival_deg:
                 raise DeviceError(
                     self._dialogue.device,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cell.profile import ArmProfile
+from cell.profile import MelfaProfile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +56,7 @@ class ArmSettings:
     was_tried_on_hardware: bool = False
 
     @staticmethod
-    def from_profile(profile: ArmProfile) -> ArmSettings:
+    def from_profile(profile: MelfaProfile) -> ArmSettings:
         """Return the settings that an arm's profile asks for."""
         return ArmSettings(
             robot=profile.robot,

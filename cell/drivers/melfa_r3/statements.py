@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import Literal, NamedTuple, TypeAlias
 
 from cell.drivers.melfa_r3.codec import GarbledMessage, UnsendableRequest
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 
 Values: TypeAlias = tuple[float, ...]
 
@@ -135,15 +135,15 @@ def print_position(pose: Pose, flags: tuple[int, int] | None) -> str:
     return text if flags is None else f"{text}({flags[0]},{flags[1]})"
 
 
-def print_joints(joints: JointAngles) -> str:
+def print_joints(joints: JointPositions) -> str:
     """Return a joint constant with four decimals.
 
     Raises:
         UnsendableRequest: An angle is not finite.
     """
-    if not math.isfinite(sum(joints.deg)):
+    if not math.isfinite(sum(joints.values)):
         raise UnsendableRequest(f"{joints} are no joint angles")
-    return "(" + ",".join([f"{angle:.4f}" for angle in joints.deg]) + ")"
+    return "(" + ",".join([f"{angle:.4f}" for angle in joints.values]) + ")"
 
 
 def print_statement(statement: Statement) -> str:
@@ -156,7 +156,7 @@ def print_statement(statement: Statement) -> str:
         case AssignPosition(name, Position(pose, flags)):
             return f"{name}={print_position(pose, flags)}"
         case AssignJoints(name, tuple() as values):
-            return f"{name}={print_joints(JointAngles(values))}"
+            return f"{name}={print_joints(JointPositions(values))}"
         case AssignPosition(name, str() | Combined() as operand):
             return f"{name}={_print_operand(operand)}"
         case AssignJoints(name, str() as source):

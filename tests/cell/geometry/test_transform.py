@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from cell.geometry import JointAngles, Pose, Transform
+from cell.geometry import JointPositions, Pose, Transform
 
 
 def random_poses(seed: int, count: int) -> list[Pose]:
@@ -77,7 +77,7 @@ def test_matrix_is_read_only_and_must_be_four_by_four() -> None:
 
 def test_poses_and_joint_angles_are_written_with_two_decimals() -> None:
     assert str(Pose(1, 2.5, 3)) == "(1.00, 2.50, 3.00) mm (180.00, 0.00, 180.00) deg"
-    assert str(JointAngles((1.0, -2.5))) == "(1.00, -2.50) deg"
+    assert str(JointPositions((1.0, -2.5))) == "(1.00, -2.50)"
 
 
 def test_pose_at_another_height_changes_nothing_else() -> None:

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from cell.geometry import JointAngles
+from cell.geometry import JointPositions
 from tests.cell.kinematics.arms import MASH, random_joints
 
 # Offset in deg, d, a in mm, alpha in deg for each joint of the RV-6SDL.
@@ -54,9 +54,9 @@ def test_forward_agrees(model: pin.Model) -> None:
 def test_every_solution_of_the_inverse_agrees(model: pin.Model) -> None:
     data = model.createData()
     for joints in random_joints(31, 150):
-        pose = MASH.forward(JointAngles(joints))
+        pose = MASH.forward(JointPositions(joints))
         for solution in MASH.inverse(pose):
-            pin.framesForwardKinematics(model, data, np.radians(solution.joints.deg))
+            pin.framesForwardKinematics(model, data, np.radians(solution.joints.values))
             reached = data.oMf[model.getFrameId("tool")].homogeneous[:3].ravel()
             assert reached == pytest.approx(MASH.tool_matrix(joints), abs=1e-6)
 
@@ -68,6 +68,6 @@ def test_jacobian_agrees(model: pin.Model) -> None:
         expected = pin.computeFrameJacobian(
             model, data, np.radians(joints), frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         )
-        jacobian = MASH.jacobian(JointAngles(joints))
+        jacobian = MASH.jacobian(JointPositions(joints))
         assert jacobian[:3] == pytest.approx(np.radians(expected[:3]), abs=1e-9)
         assert jacobian[3:] == pytest.approx(expected[3:], abs=1e-9)

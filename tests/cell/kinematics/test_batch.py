@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cell.geometry import JointAngles, Pose, Transform
+from cell.geometry import JointPositions, Pose, Transform
 from cell.kinematics import RV_6SDL, SixAxisArm
 from tests.cell.kinematics.arms import MASH, random_joints
 
@@ -23,13 +23,15 @@ def test_batched_inverse_equals_single_inverse_in_every_branch() -> None:
     assert solved.shape == (1300, 8, 6)
     assert allowed.shape == (1300, 8)
     for index, angles in enumerate(joints):
-        solutions = {s.posture: s for s in MASH.inverse(MASH.forward(JointAngles(angles)))}
+        solutions = {s.posture: s for s in MASH.inverse(MASH.forward(JointPositions(angles)))}
         for posture in range(8):
             if posture not in solutions:
                 assert np.isnan(solved[index, posture]).any()
                 assert not allowed[index, posture]
                 continue
-            assert solved[index, posture] == pytest.approx(solutions[posture].joints.deg, abs=1e-6)
+            assert solved[index, posture] == pytest.approx(
+                solutions[posture].joints.values, abs=1e-6
+            )
             assert allowed[index, posture] == solutions[posture].is_allowed
 
 
@@ -71,7 +73,9 @@ def test_batched_inverse_turns_j6_into_one_sided_limits() -> None:
     solved, allowed = arm.inverse_batch(arm.forward_batch(np.array([joints])))
     assert solved[0, 7] == pytest.approx(joints, abs=1e-6)
     assert allowed[0, 7]
-    assert arm.solve(arm.forward(JointAngles(joints)), 7).deg == pytest.approx(joints, abs=1e-6)
+    assert arm.solve(arm.forward(JointPositions(joints)), 7).values == pytest.approx(
+        joints, abs=1e-6
+    )
 
 
 def test_no_poses_give_no_solutions() -> None:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cell.geometry import JointAngles
+from cell.geometry import JointPositions
 from cell.kinematics.flags import axis_turns, posture_name, turn_number, turns_flag
 from tests.cell.kinematics.arms import MASH
 
@@ -23,7 +23,7 @@ from tests.cell.kinematics.arms import MASH
     ],
 )
 def test_posture_is_read_off_the_joint_angles(joints: tuple[float, ...], posture: int) -> None:
-    assert MASH.posture(JointAngles(joints)) == posture
+    assert MASH.posture(JointPositions(joints)) == posture
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cell.errors import ProfileError
-from cell.geometry import JointAngles, Pose, Transform
+from cell.geometry import JointPositions, Pose, Transform
 from cell.kinematics import RV_6SDL, SixAxisArm, SixAxisGeometry, matrix_from_pose, pose_from_matrix
 from tests.cell.kinematics.arms import BARE, MASH, random_joints
 
@@ -27,14 +27,14 @@ def fields(pose: Pose) -> tuple[float, ...]:
 def test_flange_stands_where_the_published_table_puts_it(
     joints: tuple[float, ...], pose: Pose
 ) -> None:
-    for flange in (MASH.flange(JointAngles(joints)), BARE.forward(JointAngles(joints))):
+    for flange in (MASH.flange(JointPositions(joints)), BARE.forward(JointPositions(joints))):
         assert fields(flange) == pytest.approx(fields(pose), abs=0.006)
 
 
 def test_tool_point_lies_along_the_flange_axis() -> None:
     for joints in random_joints(1, 50):
-        flange = Transform.from_pose(MASH.flange(JointAngles(joints)))
-        tool = Transform.from_pose(MASH.forward(JointAngles(joints)))
+        flange = Transform.from_pose(MASH.flange(JointPositions(joints)))
+        tool = Transform.from_pose(MASH.forward(JointPositions(joints)))
         offset = (flange.inverse() @ tool).matrix
         assert offset[:3, 3] == pytest.approx([0, 0, 159.2], abs=1e-9)
         assert offset[:3, :3] == pytest.approx(np.eye(3), abs=1e-12)
@@ -49,9 +49,9 @@ def test_a_sideways_tool_is_reached_again_by_its_inverse() -> None:
         (30.0, -20.0, 100.0),
     )
     for joints in random_joints(2, 50):
-        angles = JointAngles(joints)
+        angles = JointPositions(joints)
         solved = arm.solve(arm.forward(angles), arm.posture(angles), near=angles)
-        assert solved.deg == pytest.approx(joints, abs=1e-6)
+        assert solved.values == pytest.approx(joints, abs=1e-6)
 
 
 def test_links_between_points_keep_the_lengths_of_the_geometry() -> None:
@@ -66,7 +66,7 @@ def test_links_between_points_keep_the_lengths_of_the_geometry() -> None:
 
 def test_plain_float_matrices_agree_with_transforms() -> None:
     for joints in random_joints(4, 50):
-        pose = MASH.forward(JointAngles(joints))
+        pose = MASH.forward(JointPositions(joints))
         matrix = Transform.from_pose(pose).matrix[:3].ravel()
         assert MASH.tool_matrix(joints) == pytest.approx(matrix, abs=1e-9)
         assert matrix_from_pose(pose) == pytest.approx(matrix, abs=1e-9)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cell.geometry import JointAngles
+from cell.geometry import JointPositions
 from tests.cell.kinematics.arms import MASH, random_joints
 
 STEP_DEG = 1e-4
@@ -11,7 +11,7 @@ STEP_DEG = 1e-4
 
 def test_jacobian_agrees_with_finite_differences() -> None:
     for joints in random_joints(5, 40):
-        jacobian = MASH.jacobian(JointAngles(joints))
+        jacobian = MASH.jacobian(JointPositions(joints))
         for axis in range(6):
             lower, upper = list(joints), list(joints)
             lower[axis] -= STEP_DEG
@@ -25,7 +25,7 @@ def test_jacobian_agrees_with_finite_differences() -> None:
 
 
 def test_jacobian_loses_a_rank_when_the_wrist_is_straight() -> None:
-    bent = MASH.jacobian(JointAngles((0.0, 20.0, 100.0, 0.0, 60.0, 0.0)))
-    straight = MASH.jacobian(JointAngles((0.0, 20.0, 100.0, 0.0, 0.0, 0.0)))
+    bent = MASH.jacobian(JointPositions((0.0, 20.0, 100.0, 0.0, 60.0, 0.0)))
+    straight = MASH.jacobian(JointPositions((0.0, 20.0, 100.0, 0.0, 0.0, 0.0)))
     assert np.linalg.matrix_rank(bent, tol=1e-9) == 6
     assert np.linalg.matrix_rank(straight, tol=1e-9) == 5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cell.geometry import JointAngles, LatticeMap, Pose
+from cell.geometry import JointPositions, LatticeMap, Pose
 from cell.kinematics import SixAxisArm
 from cell.motion.guard import Guard
 from cell.motion.hull import HandShape
@@ -11,7 +11,7 @@ from cell.profile import BoxProfile, load_profile
 PROFILE = load_profile("mash")
 GUARD = Guard.from_profile(PROFILE)
 ARM = GUARD.arm
-REST = JointAngles(PROFILE.arm.rest_deg)
+REST = JointPositions(PROFILE.arm.rest_deg)
 LATTICE = LatticeMap(
     step_mm=PROFILE.lattice.step_mm,
     angle_deg=PROFILE.lattice.angle_deg,
@@ -43,6 +43,6 @@ def guard_with(boxes: list[BoxProfile], *, flange_min_z_mm: float = 50.0) -> Gua
     )
 
 
-def standing(x_mm: float, y_mm: float, z_mm: float) -> JointAngles:
+def standing(x_mm: float, y_mm: float, z_mm: float) -> JointPositions:
     """Return the joint angles over a place, gripper down."""
     return ARM.solve(Pose(x_mm, y_mm, z_mm), 7)

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from cell.errors import MotionRefused
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.motion.guard import Guard
 from cell.motion.hull import GRIPPER_RADIUS_MM, LINK_RADIUS_MM, WRIST_RADIUS_MM
 from tests.cell.motion.cells import ARM, CORNERS, GUARD, LATTICE, PROFILE, REST, SLOTS, standing
@@ -65,7 +65,7 @@ def test_the_watchdogs_motion_is_allowed_both_ways() -> None:
     there = GUARD.check_linear(out.end, Pose(500, 0, 300), posture=7, speed_mm_s=250)
     assert there.duration_s == pytest.approx(0.4)
     back = GUARD.check_linear(there.end, Pose(600, 0, 300), posture=7, speed_mm_s=250)
-    assert back.end.deg == pytest.approx(out.end.deg, abs=1e-6)
+    assert back.end.values == pytest.approx(out.end.values, abs=1e-6)
 
 
 def test_posture_7_is_the_only_one_that_reaches_every_place() -> None:
@@ -83,7 +83,7 @@ def test_rest_hides_nothing_from_the_top_camera() -> None:
     surface_mm = PROFILE.heights.surface_mm
     screen = PROFILE.display
     near, left = screen.corner_x_mm, screen.corner_y_mm + screen.width_px * screen.pixel_mm
-    points = ARM.link_points_mm(REST.deg)
+    points = ARM.link_points_mm(REST.values)
     radii = [LINK_RADIUS_MM] * 4 + [WRIST_RADIUS_MM, GRIPPER_RADIUS_MM]
     for start, end, radius in zip(points, points[1:], radii, strict=False):
         for part in range(21):
@@ -95,7 +95,7 @@ def test_rest_hides_nothing_from_the_top_camera() -> None:
 
 
 def test_joint_move_lasts_as_long_as_its_slowest_joint() -> None:
-    target = JointAngles((REST.deg[0] - 50.0, *REST.deg[1:5], REST.deg[5] + 20.0))
+    target = JointPositions((REST.values[0] - 50.0, *REST.values[1:5], REST.values[5] + 20.0))
     move = GUARD.check_joint(REST, target, percent=50)
     assert move.duration_s == pytest.approx(50 / (250 * 0.5))
     assert move.end == target
@@ -118,11 +118,11 @@ def test_staying_where_it_is_is_allowed_and_takes_no_time() -> None:
 
 
 def test_turns_of_j6_are_told_with_the_move() -> None:
-    start = JointAngles((0.0, 20.0, 100.0, 0.0, 60.0, 150.0))
-    target = JointAngles((0.0, 20.0, 100.0, 0.0, 60.0, 195.0))
+    start = JointPositions((0.0, 20.0, 100.0, 0.0, 60.0, 150.0))
+    target = JointPositions((0.0, 20.0, 100.0, 0.0, 60.0, 195.0))
     assert GUARD.check_joint(start, target, percent=30).turns == 0x00100000
     along = GUARD.check_linear(start, ARM.forward(target), posture=7, speed_mm_s=250)
-    assert along.end.deg[5] == pytest.approx(195.0)
+    assert along.end.values[5] == pytest.approx(195.0)
     assert along.turns == 0x00100000
 
 

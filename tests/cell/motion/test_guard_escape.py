@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from cell.errors import MotionRefused
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.profile import BoxProfile
 from tests.cell.motion.cells import ARM, GUARD, POST, REST, TABLE, guard_with, standing
 
 SUNK = standing(510, -100, 45)
 """Fingertips 5.5 mm inside the table."""
-TWISTED = JointAngles((0.0, 20.0, 100.0, 0.0, 104.0, 0.0))
+TWISTED = JointPositions((0.0, 20.0, 100.0, 0.0, 104.0, 0.0))
 """J5 is 4 deg past its limit."""
 
 
@@ -39,14 +39,14 @@ def test_once_out_the_fingers_may_not_go_in_again() -> None:
 
 
 def test_joint_past_its_limit_may_turn_back() -> None:
-    back = JointAngles((*TWISTED.deg[:4], 60.0, 0.0))
+    back = JointPositions((*TWISTED.values[:4], 60.0, 0.0))
     assert GUARD.check_joint(TWISTED, back, percent=10).end == back
-    part = JointAngles((*TWISTED.deg[:4], 102.0, 0.0))
+    part = JointPositions((*TWISTED.values[:4], 102.0, 0.0))
     assert GUARD.check_joint(TWISTED, part, percent=10).end == part
 
 
 def test_joint_past_its_limit_may_not_turn_further() -> None:
-    further = JointAngles((*TWISTED.deg[:4], 106.0, 0.0))
+    further = JointPositions((*TWISTED.values[:4], 106.0, 0.0))
     with pytest.raises(MotionRefused, match="J5 would pass its limit") as caught:
         GUARD.check_joint(TWISTED, further, percent=10)
     assert caught.value.value == pytest.approx(106)
@@ -62,7 +62,7 @@ def test_leaving_one_violation_may_not_enter_another() -> None:
 
 
 def test_reading_noise_of_the_controller_is_no_violation() -> None:
-    rounded = JointAngles(tuple(round(angle, 2) for angle in standing(510, -100, 55).deg))
+    rounded = JointPositions(tuple(round(angle, 2) for angle in standing(510, -100, 55).values))
     GUARD.check_linear(rounded, Pose(510, -100, 200), posture=7, speed_mm_s=250, holds_block=True)
-    at_limit = JointAngles((170.004, *REST.deg[1:]))
+    at_limit = JointPositions((170.004, *REST.values[1:]))
     GUARD.check_joint(at_limit, REST, percent=30)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from cell.errors import MotionRefused
-from cell.geometry import JointAngles, LatticeMap, Pose
+from cell.geometry import JointPositions, LatticeMap, Pose
 from cell.motion.guard import Guard, GuardedMove
 from cell.profile import BoxProfile
 from tests.cell.motion.cells import ARM, GUARD, POST, REST, TABLE, guard_with, standing
@@ -16,21 +16,23 @@ OVER = standing(510, -100, 200)
 LOW = standing(510, -100, 60)
 BEYOND = Pose(950, -80, 136.5)
 DEEP = Pose(510, -100, 40)
-LEVEL = JointAngles((0.0, 60.0, 110.0, 0.0, -80.0, 0.0))
+LEVEL = JointPositions((0.0, 60.0, 110.0, 0.0, -80.0, 0.0))
 
 
-def line(guard: Guard, start: JointAngles, target: Pose, **more: bool) -> Callable[[], GuardedMove]:
+def line(
+    guard: Guard, start: JointPositions, target: Pose, **more: bool
+) -> Callable[[], GuardedMove]:
     return lambda: guard.check_linear(start, target, posture=7, speed_mm_s=100, **more)
 
 
 def curve(
-    guard: Guard, start: JointAngles, target: Pose, **more: bool
+    guard: Guard, start: JointPositions, target: Pose, **more: bool
 ) -> Callable[[], GuardedMove]:
     return lambda: guard.check_pose_joint(start, target, posture=7, percent=30, **more)
 
 
-def turn(guard: Guard, start: JointAngles, *target: float) -> Callable[[], GuardedMove]:
-    return lambda: guard.check_joint(start, JointAngles(target), percent=30)
+def turn(guard: Guard, start: JointPositions, *target: float) -> Callable[[], GuardedMove]:
+    return lambda: guard.check_joint(start, JointPositions(target), percent=30)
 
 
 REFUSED = {
@@ -64,7 +66,7 @@ REFUSED = {
         "tool y", 150, -60, -60, "mm", "the hand into the post"),
     "arm into a box": (
         turn(guard_with([BoxProfile(name="shelf", min_mm=(200, 200, 400), max_mm=(400, 400, 900))]),
-             JointAngles((0, 20, 100, 0, 60, 0)), 90, 20, 100, 0, 60, 90),
+             JointPositions((0, 20, 100, 0, 60, 0)), 90, 20, 100, 0, 60, 90),
         "tool x", 0, 611.6, 611.6, "mm",
         "the arm into the shelf"),
 }  # fmt: skip
@@ -99,7 +101,9 @@ def test_refusal_tells_what_the_value_the_limit_and_the_nearest_allowed(name: st
         (standing(700, 0, 120), Pose(700, 900, 120)),
     ],
 )
-def test_the_way_really_is_free_up_to_the_nearest_point(start: JointAngles, target: Pose) -> None:
+def test_the_way_really_is_free_up_to_the_nearest_point(
+    start: JointPositions, target: Pose
+) -> None:
     with pytest.raises(MotionRefused) as caught:
         GUARD.check_linear(start, target, posture=7, speed_mm_s=20)
     point = caught.value.nearest_point_mm
@@ -144,7 +148,7 @@ def test_speed_that_a_joint_cannot_follow_names_one_that_it_can() -> None:
 
 
 def test_line_may_not_begin_in_another_posture() -> None:
-    start = ARM.inverse(ARM.forward(JointAngles((0.0, 60.0, 60.0, 0.0, 60.0, 0.0))))
+    start = ARM.inverse(ARM.forward(JointPositions((0.0, 60.0, 60.0, 0.0, 60.0, 0.0))))
     below = next(solution for solution in start if solution.posture == 5)
     with pytest.raises(MotionRefused, match="does not stand in posture Right-Above-NonFlip"):
         GUARD.check_linear(below.joints, Pose(600, 0, 400), posture=7, speed_mm_s=100)
@@ -152,8 +156,8 @@ def test_line_may_not_begin_in_another_posture() -> None:
 
 def test_line_through_a_straight_wrist_is_refused() -> None:
     # J5 would pass zero, where J4 has to turn by half a turn at once.
-    start = JointAngles((0.0, 20.0, 60.0, 0.0, 10.0, 0.0))
-    end = JointAngles((0.0, 20.0, 60.0, 0.0, -10.0, 0.0))
+    start = JointPositions((0.0, 20.0, 60.0, 0.0, 10.0, 0.0))
+    end = JointPositions((0.0, 20.0, 60.0, 0.0, -10.0, 0.0))
     with pytest.raises(MotionRefused) as caught:
         guard_with([]).check_linear(start, ARM.forward(end), posture=7, speed_mm_s=10)
     assert caught.value.what in ("J4", "J6")

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cell.errors import MotionRefused
-from cell.geometry import JointAngles, Pose, Transform
+from cell.geometry import JointPositions, Pose, Transform
 from cell.kinematics import Joints, Matrix34
 from cell.motion.guard import Guard, GuardedMove
 from cell.profile import BoxProfile
@@ -50,7 +50,7 @@ def random_pose(source: random.Random, *, is_upright: bool) -> Pose:
 
 
 def samples(move: GuardedMove, count: int) -> list[Joints]:
-    start, end = np.array(move.start.deg), np.array(move.end.deg)
+    start, end = np.array(move.start.values), np.array(move.end.values)
     if move.interpolation == "joint":
         return [six(start + (end - start) * i / count) for i in range(count + 1)]
     first = Transform.from_pose(ARM.forward(move.start)).matrix
@@ -123,7 +123,7 @@ def violations(joints: Joints, boxes: list[BoxProfile]) -> list[str]:
     return found
 
 
-def try_move(guard: Guard, start: JointAngles, source: random.Random) -> GuardedMove | None:
+def try_move(guard: Guard, start: JointPositions, source: random.Random) -> GuardedMove | None:
     target = random_pose(source, is_upright=source.random() < 0.6)
     try:
         if source.random() < 0.5:
@@ -175,7 +175,7 @@ def test_no_accepted_line_is_faster_than_its_joints(seed: int) -> None:
 
 
 def test_the_brute_force_check_sees_each_kind_of_violation() -> None:
-    deep = standing(510, -100, 45).deg
+    deep = standing(510, -100, 45).values
     assert violations(six(np.array(deep)), [TABLE]) == ["table"]
     assert violations((0, 20, 100, 0, 104, 0), [TABLE]) == ["J5"]
     assert "flange" in violations((0, 110, 60, 0, -60, 0), [])
@@ -190,10 +190,10 @@ def test_no_accepted_turn_bulges_into_a_wall_between_its_ends(seed: int) -> None
     for _ in range(60):
         half, lean, bend = source.uniform(10, 30), source.uniform(10, 40), source.uniform(40, 70)
         shape = (lean, 180.0 - lean - bend, 0.0, bend, source.uniform(-90, 90))
-        start, middle, end = (JointAngles((j1, *shape)) for j1 in (-half, 0.0, half))
-        x = ARM.link_points_mm(middle.deg)[4][0] + source.uniform(60, 160)
+        start, middle, end = (JointPositions((j1, *shape)) for j1 in (-half, 0.0, half))
+        x = ARM.link_points_mm(middle.values)[4][0] + source.uniform(60, 160)
         wall = BoxProfile(name="wall", min_mm=(x, -60, 38.5), max_mm=(x + 100, 60, 1000))
-        if violations(six(np.array(end.deg)), [TABLE, wall]):
+        if violations(six(np.array(end.values)), [TABLE, wall]):
             continue
         try:
             move = guard_with([TABLE, wall]).check_joint(start, end, percent=30)
@@ -207,15 +207,15 @@ def test_no_accepted_turn_bulges_into_a_wall_between_its_ends(seed: int) -> None
 
 
 def test_turn_that_bulges_into_a_wall_between_its_ends_is_refused() -> None:
-    start, end = (JointAngles((j1, 35.0, 95.0, 0.0, 50.0, 0.0)) for j1 in (-25.0, 25.0))
-    reach = ARM.link_points_mm((0.0, *start.deg[1:]))[4][0]
-    ends = ARM.link_points_mm(end.deg)[4][0] + 60.0
+    start, end = (JointPositions((j1, 35.0, 95.0, 0.0, 50.0, 0.0)) for j1 in (-25.0, 25.0))
+    reach = ARM.link_points_mm((0.0, *start.values[1:]))[4][0]
+    ends = ARM.link_points_mm(end.values)[4][0] + 60.0
     gap = 0.5 * (reach + 60.0 - ends)
     wall = BoxProfile(
         name="wall", min_mm=(ends + gap, -50, 38.5), max_mm=(ends + gap + 100, 50, 1000)
     )
     guard = guard_with([TABLE, wall])
     assert violations((0.0, 35.0, 95.0, 0.0, 50.0, 0.0), [wall]) != []
-    assert violations(six(np.array(end.deg)), [wall]) == []
+    assert violations(six(np.array(end.values)), [wall]) == []
     with pytest.raises(MotionRefused, match="into the wall"):
         guard.check_joint(start, end, percent=30)

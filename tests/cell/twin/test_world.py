@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 from cell.clock import SimulatedClock
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.profile import Profile, load_profile
 from cell.twin.blocks import TwinBlock
 from cell.twin.bodies import JointTuple
@@ -22,8 +22,8 @@ HIGH_Z = 200.0
 class StraightArm:
     """Joints are x, y, z and the turn about the vertical, the tool pointing down."""
 
-    def forward(self, joints: JointAngles) -> Pose:
-        x, y, z, c, _, _ = joints.deg
+    def forward(self, joints: JointPositions) -> Pose:
+        x, y, z, c, _, _ = joints.values
         return Pose(x, y, z, 180.0, 0.0, c)
 
 

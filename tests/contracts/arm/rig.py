@@ -7,7 +7,7 @@ from dataclasses import replace
 from cell.clock import SimulatedClock
 from cell.drivers.melfa_r3.driver import MelfaArm
 from cell.drivers.melfa_r3.settings import ArmSettings
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.kinematics import SixAxisArm
 from cell.links.base import Direction
 from cell.links.capture import CapturedLink
@@ -86,13 +86,13 @@ class ArmRig:
 
     def tool_pose(self) -> Pose:
         """Return where the tool point really is."""
-        return KINEMATICS.forward(JointAngles(self.body.joints_deg(self.clock.now_s())))
+        return KINEMATICS.forward(JointPositions(self.body.joints_deg(self.clock.now_s())))
 
 
 def opened_rig(arm_settings: ArmSettings = ARM_SETTINGS) -> ArmRig:
     """Return a rig whose arm is open and stands above the playground."""
     start = KINEMATICS.solve(ABOVE, 7)
-    a, b, c, d, e, f = start.deg
+    a, b, c, d, e, f = start.values
     rig = ArmRig(joints_deg=(a, b, c, d, e, f), arm_settings=arm_settings)
     rig.arm.open()
     return rig

@@ -20,7 +20,7 @@ from cell.drivers.melfa_r3.statements import (
     print_joints,
     print_position,
 )
-from cell.geometry import JointAngles, Pose, Transform
+from cell.geometry import JointPositions, Pose, Transform
 from cell.twin.bodies import JointTuple
 from cell.twin.emulators.melfa_r3.mechanism import Mechanism
 from cell.twin.emulators.melfa_r3.planner import Planner
@@ -129,7 +129,7 @@ class Interpreter:
             position = self._position(name, now_s)
             return print_position(position.pose, position.flags or (0, 0))
         if name.startswith("J"):
-            return print_joints(JointAngles(self._joints_of(name, now_s)))
+            return print_joints(JointPositions(self._joints_of(name, now_s)))
         number = self._number(name, now_s)
         return f"{number:+g}"
 

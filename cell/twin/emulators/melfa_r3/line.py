@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from cell.errors import UnreachablePose
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.twin.bodies import JointTuple
 from cell.twin.emulators.melfa_r3.paths import JointCourse
 from cell.twin.emulators.melfa_r3.stand import ArmKinematics, Stand, six
@@ -54,7 +54,7 @@ class LineCourse:
         """
         near = JointCourse(self.start_deg, self.end_deg).at(share)
         try:
-            return six(self._solve(share, near).deg)
+            return six(self._solve(share, near).values)
         except UnreachablePose:
             return near
 
@@ -70,7 +70,7 @@ class LineCourse:
             share = place / (places + 1)
             self._solve(share, evenly.at(share))
 
-    def _solve(self, share: float, near_deg: JointTuple) -> JointAngles:
+    def _solve(self, share: float, near_deg: JointTuple) -> JointPositions:
         first, target = self._ends
         x = first.x_mm + share * (target.x_mm - first.x_mm)
         y = first.y_mm + share * (target.y_mm - first.y_mm)
@@ -79,7 +79,9 @@ class LineCourse:
             a, b, c = first.a_deg, first.b_deg, first.c_deg
         else:
             a, b, c = self._turn.at(share)
-        return self._kinematics.solve(Pose(x, y, z, a, b, c), self._posture, JointAngles(near_deg))
+        return self._kinematics.solve(
+            Pose(x, y, z, a, b, c), self._posture, JointPositions(near_deg)
+        )
 
 
 def _is_parallel(first: Pose, second: Pose) -> bool:

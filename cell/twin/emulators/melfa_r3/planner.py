@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cell.drivers.melfa_r3 import tables
 from cell.errors import UnreachablePose
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.twin.bodies import JointTuple
 from cell.twin.emulators.melfa_r3.line import LineCourse
 from cell.twin.emulators.melfa_r3.paths import Course, JointCourse, PlannedPath, Trapezoid
@@ -81,7 +81,7 @@ class Planner:
         Raises:
             Refusal: The target is out of reach, limits or height, or its flags are none.
         """
-        near = JointAngles(start.joints_deg)
+        near = JointPositions(start.joints_deg)
         posture, turns = (start.posture, None) if flags is None else flags
         if not 0 <= posture <= 7:
             raise Refusal(tables.ILLEGAL_POSITION, is_alarm=True)
@@ -91,7 +91,7 @@ class Planner:
             joints = self._kinematics.solve(target, posture, near, turns)
         except UnreachablePose as error:
             raise Refusal(tables.TARGET_OUT_OF_RANGE, is_alarm=True) from error
-        return Stand(self._kinematics, six(joints.deg), target, posture)
+        return Stand(self._kinematics, six(joints.values), target, posture)
 
     def line(
         self, start: Stand, target: Pose, flags: tuple[int, int] | None, percent: float, at_s: float

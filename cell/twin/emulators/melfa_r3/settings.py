@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from cell.drivers.melfa_r3.records import Identity
-from cell.profile import ArmProfile
+from cell.profile import MelfaProfile
 from cell.twin.bodies import JointTuple
 
 _BITS_A_BYTE = {("none", 1): 10, ("none", 2): 11, ("even", 1): 11, ("even", 2): 12}
@@ -74,7 +74,7 @@ class ControllerSettings:
     programs: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: {"1": ()})
 
     @staticmethod
-    def from_profile(profile: ArmProfile) -> ControllerSettings:
+    def from_profile(profile: MelfaProfile) -> ControllerSettings:
         """Return the settings of the controller that a profile describes."""
         serial = profile.serial
         parity = "none" if serial.parity == "none" else "even"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from cell.twin.bodies import JointTuple
 
 
@@ -16,22 +16,22 @@ class ArmKinematics(Protocol):
         self,
         pose: Pose,
         posture: int,
-        near: JointAngles | None = None,
+        near: JointPositions | None = None,
         turns: int | None = None,
-    ) -> JointAngles:
+    ) -> JointPositions:
         """Return the joint angles of a pose in a posture (FL1) and turn (FL2).
 
         Raises:
             UnreachablePose: There are none within the limits.
         """
 
-    def forward(self, joints: JointAngles) -> Pose:
+    def forward(self, joints: JointPositions) -> Pose:
         """Return the pose of joint angles."""
 
-    def posture(self, joints: JointAngles) -> int:
+    def posture(self, joints: JointPositions) -> int:
         """Return the flag FL1 of joint angles."""
 
-    def turns(self, joints: JointAngles) -> int:
+    def turns(self, joints: JointPositions) -> int:
         """Return the flag FL2 of joint angles."""
 
 
@@ -64,14 +64,14 @@ class Stand:
     def reported_pose(self) -> Pose:
         """The pose with its angles in the range in which they are reported."""
         if self._reported is None:
-            self._reported = self._kinematics.forward(JointAngles(self.joints_deg))
+            self._reported = self._kinematics.forward(JointPositions(self.joints_deg))
         return self._reported
 
     @property
     def posture(self) -> int:
         """The flag FL1."""
         if self._posture is None:
-            self._posture = self._kinematics.posture(JointAngles(self.joints_deg))
+            self._posture = self._kinematics.posture(JointPositions(self.joints_deg))
         return self._posture
 
     @property
@@ -79,7 +79,7 @@ class Stand:
         """The flag FL2."""
         if min(self.joints_deg) >= -180.0 and max(self.joints_deg) <= 180.0:
             return 0
-        return self._kinematics.turns(JointAngles(self.joints_deg))
+        return self._kinematics.turns(JointPositions(self.joints_deg))
 
 
 def six(angles_deg: tuple[float, ...]) -> JointTuple:

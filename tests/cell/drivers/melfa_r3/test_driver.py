@@ -8,7 +8,7 @@ import pytest
 
 from cell.drivers.melfa_r3.driver import MelfaArm
 from cell.errors import DeviceError, DeviceTimeout, LinkError
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 from tests.contracts.arm.rig import (
     ABOVE,
     ARM_SETTINGS,
@@ -20,7 +20,7 @@ from tests.contracts.arm.rig import (
 )
 
 NEXT = Pose(490.0, -65.0, 98.0)
-TILTED = KINEMATICS.forward(JointAngles((-5.0, 20.0, 90.0, 60.0, 50.0, 10.0)))
+TILTED = KINEMATICS.forward(JointPositions((-5.0, 20.0, 90.0, 60.0, 50.0, 10.0)))
 """A pose that the arm reaches with J5 up and with J5 down."""
 
 
@@ -192,7 +192,7 @@ def test_a_joint_move_that_an_operator_stopped_is_no_arrival() -> None:
     rig = opened_rig()
     HookedClock(rig).press_stop_after(0.3)
     with pytest.raises(DeviceError, match="ended with J1 at"):
-        rig.arm.move_joints(JointAngles(PROFILE.rest_deg), expected_s=2.0)
+        rig.arm.move_joints(JointPositions(PROFILE.rest_deg), expected_s=2.0)
 
 
 def test_a_move_that_does_not_end_is_stopped_and_a_timeout() -> None:
@@ -267,7 +267,7 @@ def test_turning_the_key_to_teach_takes_the_servos_and_the_right_away() -> None:
 def test_the_safe_position_is_the_controllers_own() -> None:
     rig = opened_rig()
     rig.arm.move_to_safe_position(expected_s=1.0)
-    assert rig.arm.read_joints() == JointAngles(PROFILE.rest_deg)
+    assert rig.arm.read_joints() == JointPositions(PROFILE.rest_deg)
 
 
 def test_a_broken_link_while_opening_is_told_as_it_is() -> None:

@@ -124,7 +124,7 @@ def test_programs_are_listed_loaded_and_run() -> None:
         panel.load_program("1")
     rig.clock.sleep(3.0)
     assert not rig.arm.read_state().is_moving
-    assert rig.arm.read_joints().deg[0] == 80.0
+    assert rig.arm.read_joints().values[0] == 80.0
     assert rig.arm.read_output(4)
     panel.reset_program()
     panel.reset_slots()

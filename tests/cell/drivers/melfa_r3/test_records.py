@@ -8,7 +8,7 @@ import pytest
 from cell.drivers.melfa_r3 import records
 from cell.drivers.melfa_r3.codec import GarbledMessage
 from cell.drivers.melfa_r3.tables import Run, Stop
-from cell.geometry import JointAngles, Pose
+from cell.geometry import JointPositions, Pose
 
 
 class Case(NamedTuple):
@@ -128,7 +128,7 @@ def test_a_pose_is_read_by_name() -> None:
 
 def test_joints_are_read_by_name() -> None:
     report = records.parse_axes(CASES[1].data)
-    assert records.joints_of(report) == JointAngles((10.9, 70.76, 64.16, -160.0, 40.06, -183.4))
+    assert records.joints_of(report) == JointPositions((10.9, 70.76, 64.16, -160.0, 40.06, -183.4))
 
 
 def test_a_five_axis_arm_gives_no_joints_of_a_six_axis_arm() -> None:

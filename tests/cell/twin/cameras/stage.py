@@ -52,7 +52,7 @@ def block(
 
 def joints_at(x_mm: float, y_mm: float, z_mm: float) -> tuple[float, ...]:
     """Return joint angles with the tool point at a place, gripper down."""
-    return ARM.solve(Pose(x_mm, y_mm, z_mm), PROFILE.arm.posture).deg
+    return ARM.solve(Pose(x_mm, y_mm, z_mm), PROFILE.arm.posture).values
 
 
 @dataclass

@@ -1,11 +1,10 @@
-"""From profile to cell: the only place that knows both drivers and twin."""
+"""A whole cell on the twin: real drivers, emulated devices behind their wires."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from cell.clock import Clock
-from cell.devices.camera import Camera
 from cell.drivers.melfa_r3.driver import MelfaArm
 from cell.drivers.melfa_r3.settings import ArmSettings
 from cell.drivers.schunk_smp.driver import SchunkGripper
@@ -24,6 +23,7 @@ from cell.motion.guarded import GuardedArm
 from cell.profile import Profile
 from cell.stop import StopToken
 from cell.store import StorePlan, place_of_slot
+from cell.twin.behind import Behind
 from cell.twin.blocks import TwinBlock
 from cell.twin.cameras.camera import TwinCamera
 from cell.twin.emulators.melfa_r3.controller import MelfaController
@@ -35,6 +35,7 @@ from cell.twin.emulators.sharp_aquos.television import SharpTelevision
 from cell.twin.fingers import TwinFingers
 from cell.twin.keeping import WorldFile
 from cell.twin.screen import TwinScreen
+from cell.twin.wire_faults import FaultyEmulator
 from cell.twin.world import World
 from cell.twin_cell import TwinCell
 
@@ -74,8 +75,11 @@ def assemble_twin(
     if state_folder is not None:
         _keep(world, WorldFile(state_folder / "world.json"), clock)
 
+    wires: dict[str, FaultyEmulator] = {}
+
     def wire(name: str, emulator: Emulator) -> Link:
-        link: Link = MemoryLink(name, emulator, clock)
+        wires[name] = FaultyEmulator(emulator, seed=seed)
+        link: Link = MemoryLink(name, wires[name], clock)
         return link if tap is None else CapturedLink(link, tap)
 
     controller = MelfaController(world, kinematics, ControllerSettings.from_profile(profile.arm))
@@ -102,13 +106,14 @@ def assemble_twin(
         SharpSettings.from_profile(profile.display),
         on_warning=_unheard,
     )
+    cameras = _cameras(profile, plan, world, kinematics, clock)
     cell = TwinCell(
         profile,
         arm=GuardedArm(arm, Guard.from_profile(profile), profile.arm, events, stop),
         gripper=gripper,
         display=display,
         screen=TwinScreen(world),
-        cameras=_cameras(profile, plan, world, kinematics, clock),
+        cameras=cameras,
         ledger=Ledger(None if state_folder is None else state_folder / "ledger.sqlite"),
         plan=plan,
         events=events,
@@ -117,6 +122,7 @@ def assemble_twin(
         release=_nothing if lock is None else lock.release,
     )
     cell.world = world
+    cell.behind = Behind(world, controller, module, television, cameras, wires)
     return cell
 
 
@@ -141,7 +147,7 @@ def blocks_in_store(profile: Profile, plan: StorePlan) -> list[TwinBlock]:
 
 def _cameras(
     profile: Profile, plan: StorePlan, world: World, kinematics: SixAxisArm, clock: Clock
-) -> dict[str, Camera]:
+) -> dict[str, TwinCamera]:
     """Return the twin's cameras; their noise is their own, whatever session looks."""
     return {
         name: TwinCamera(

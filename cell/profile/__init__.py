@@ -1,0 +1,58 @@
+"""The profile of a cell: every figure that differs from one cell to the next.
+
+A profile is a TOML file; `cell/profiles/` holds the shipped ones. The models here are the
+file's fields, one class a table, all frozen.
+"""
+
+from __future__ import annotations
+
+from cell.profile.arms import MelfaProfile
+from cell.profile.cameras import CameraProfile, TwinCameraProfile, WebCameraProfile
+from cell.profile.cell import ArmProfile, CellProfile, Profile, ServerProfile, TwinProfile
+from cell.profile.devices import DisplayProfile, GripperProfile, OutputsProfile
+from cell.profile.loading import load_profile, parse_profile, profile_text, shipped_profiles
+from cell.profile.playground import (
+    BlockProfile,
+    BoxProfile,
+    HeightsProfile,
+    LatticeProfile,
+    ManipulationProfile,
+    StoreProfile,
+)
+from cell.profile.table import Colour, Kind, Positive
+from cell.profile.watching import BugzillaProfile, ReportsProfile, WatchdogProfile, WebhookProfile
+from cell.profile.wires import SerialProfile, TcpProfile
+
+__all__ = [
+    "ArmProfile",
+    "BlockProfile",
+    "BoxProfile",
+    "BugzillaProfile",
+    "CameraProfile",
+    "CellProfile",
+    "Colour",
+    "DisplayProfile",
+    "GripperProfile",
+    "HeightsProfile",
+    "Kind",
+    "LatticeProfile",
+    "ManipulationProfile",
+    "MelfaProfile",
+    "OutputsProfile",
+    "Positive",
+    "Profile",
+    "ReportsProfile",
+    "SerialProfile",
+    "ServerProfile",
+    "StoreProfile",
+    "TcpProfile",
+    "TwinCameraProfile",
+    "TwinProfile",
+    "WatchdogProfile",
+    "WebCameraProfile",
+    "WebhookProfile",
+    "load_profile",
+    "parse_profile",
+    "profile_text",
+    "shipped_profiles",
+]
