@@ -10,7 +10,9 @@ from cell.profile.arms import MelfaProfile
 from cell.profile.cameras import CameraProfile, TwinCameraProfile, WebCameraProfile
 from cell.profile.cell import ArmProfile, CellProfile, Profile, ServerProfile, TwinProfile
 from cell.profile.devices import DisplayProfile, GripperProfile, OutputsProfile
+from cell.profile.ibm7545 import Ibm7545Profile
 from cell.profile.loading import load_profile, parse_profile, profile_text, shipped_profiles
+from cell.profile.lynx import LynxProfile
 from cell.profile.playground import (
     BlockProfile,
     BoxProfile,
@@ -34,8 +36,10 @@ __all__ = [
     "DisplayProfile",
     "GripperProfile",
     "HeightsProfile",
+    "Ibm7545Profile",
     "Kind",
     "LatticeProfile",
+    "LynxProfile",
     "ManipulationProfile",
     "MelfaProfile",
     "OutputsProfile",

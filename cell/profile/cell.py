@@ -9,6 +9,8 @@ from pydantic import Field
 from cell.profile.arms import MelfaProfile
 from cell.profile.cameras import CameraProfile, TwinCameraProfile, WebCameraProfile
 from cell.profile.devices import DisplayProfile, GripperProfile, OutputsProfile
+from cell.profile.ibm7545 import Ibm7545Profile
+from cell.profile.lynx import LynxProfile
 from cell.profile.playground import (
     BlockProfile,
     BoxProfile,
@@ -40,7 +42,7 @@ class TwinProfile(Table):
     cameras: dict[str, TwinCameraProfile]
 
 
-ArmProfile = MelfaProfile
+ArmProfile = Annotated[MelfaProfile | Ibm7545Profile | LynxProfile, Field(discriminator="model")]
 
 
 class CellProfile(Table):
