@@ -10,8 +10,14 @@ from cell.profile.arms import MelfaProfile
 from cell.profile.cameras import CameraProfile, TwinCameraProfile, WebCameraProfile
 from cell.profile.cell import ArmProfile, CellProfile, Profile, ServerProfile, TwinProfile
 from cell.profile.devices import DisplayProfile, GripperProfile, OutputsProfile
+from cell.profile.findings import Finding, InvalidProfile
 from cell.profile.ibm7545 import Ibm7545Profile
-from cell.profile.loading import load_profile, parse_profile, profile_text, shipped_profiles
+from cell.profile.loading import (
+    load_cell_profile,
+    load_profile,
+    parse_cell_profile,
+    parse_profile,
+)
 from cell.profile.lynx import LynxProfile
 from cell.profile.playground import (
     BlockProfile,
@@ -21,6 +27,7 @@ from cell.profile.playground import (
     ManipulationProfile,
     StoreProfile,
 )
+from cell.profile.sources import profile_text, shipped_profiles, user_profiles
 from cell.profile.table import Colour, Kind, Positive
 from cell.profile.watching import BugzillaProfile, ReportsProfile, WatchdogProfile, WebhookProfile
 from cell.profile.wires import SerialProfile, TcpProfile
@@ -34,9 +41,11 @@ __all__ = [
     "CellProfile",
     "Colour",
     "DisplayProfile",
+    "Finding",
     "GripperProfile",
     "HeightsProfile",
     "Ibm7545Profile",
+    "InvalidProfile",
     "Kind",
     "LatticeProfile",
     "LynxProfile",
@@ -55,8 +64,11 @@ __all__ = [
     "WatchdogProfile",
     "WebCameraProfile",
     "WebhookProfile",
+    "load_cell_profile",
     "load_profile",
+    "parse_cell_profile",
     "parse_profile",
     "profile_text",
     "shipped_profiles",
+    "user_profiles",
 ]

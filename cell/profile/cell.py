@@ -19,27 +19,36 @@ from cell.profile.playground import (
     ManipulationProfile,
     StoreProfile,
 )
-from cell.profile.table import Kind, Positive, Table
+from cell.profile.table import Kind, Name, NotNegative, Positive, Table, Text
 from cell.profile.watching import ReportsProfile, WatchdogProfile
 
 
 class ServerProfile(Table):
     """How experiment clients reach the cell."""
 
-    host: str = "127.0.0.1"
+    host: Text = "127.0.0.1"
+    """Address to listen on; anything but 127.0.0.1 lets other machines in."""
     port: Annotated[int, Field(ge=0, le=65535)] = 10993
+    """TCP port to listen on, 0 for a free one."""
     dialect: Literal["1.2", "1.3", "1.4", "1.5"] = "1.5"
+    """Version of MAS that is spoken."""
     idle_timeout_s: Positive = 600.0
+    """Silence after which a client is disconnected."""
     max_line_bytes: Annotated[int, Field(ge=64)] = 4096
+    """Longest line that a client may send."""
     max_connections: Annotated[int, Field(ge=1)] = 16
+    """How many clients may be connected at once."""
 
 
 class TwinProfile(Table):
     """How imperfect the twin is."""
 
-    placement_scatter_mm: float = 0.3
-    placement_scatter_deg: float = 0.5
+    placement_scatter_mm: NotNegative = 0.3
+    """Standard deviation of where a released block comes to lie."""
+    placement_scatter_deg: NotNegative = 0.5
+    """Standard deviation of how a released block is turned."""
     cameras: dict[str, TwinCameraProfile]
+    """A twin for each camera, by the same names."""
 
 
 ArmProfile = Annotated[MelfaProfile | Ibm7545Profile | LynxProfile, Field(discriminator="model")]
@@ -48,26 +57,44 @@ ArmProfile = Annotated[MelfaProfile | Ibm7545Profile | LynxProfile, Field(discri
 class CellProfile(Table):
     """What every cell has: an arm, cameras, boxes in its way, and who watches over it."""
 
-    name: str
+    name: Name
+    """Name of the cell; its state is kept in a folder of this name."""
     server: ServerProfile = ServerProfile()
+    """How experiment clients reach the cell."""
     arm: ArmProfile
+    """The arm; `model` says which, and with it which further fields there are."""
     cameras: dict[str, CameraProfile] = {}
+    """The cameras, each by a name of its own."""
     web_camera: WebCameraProfile | None = None
+    """A network camera that people look through."""
     boxes: tuple[BoxProfile, ...] = ()
+    """Boxes that no part of the arm may enter."""
     watchdog: WatchdogProfile = WatchdogProfile()
+    """The test of every component when no session runs."""
     reports: ReportsProfile = ReportsProfile()
+    """Where failures are reported to."""
 
 
 class Profile(CellProfile):
     """A cell whose arm moves blocks between a store and a playground on a screen."""
 
     arm: MelfaProfile
+    """The arm over the playground."""
     gripper: GripperProfile
+    """The gripper that moves the blocks."""
     display: DisplayProfile
+    """The television under the playground."""
     outputs: OutputsProfile
+    """Which output of the arm controller switches what."""
     manipulation: ManipulationProfile = ManipulationProfile()
+    """Whether the arm moves blocks."""
     lattice: LatticeProfile = LatticeProfile()
+    """Where the lattice lies in the robot frame."""
     store: StoreProfile
+    """Where the store plan lies."""
     heights: HeightsProfile
+    """Heights of the tool point."""
     blocks: dict[Kind, BlockProfile]
+    """Size of each kind of block."""
     twin: TwinProfile
+    """How imperfect the twin is, and where its cameras stand."""

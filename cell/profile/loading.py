@@ -1,71 +1,58 @@
-"""From a profile's TOML text to the profile, or to an error that names every wrong field."""
+"""From a profile's TOML text to the profile, or to an error that shows every mistake."""
 
 from __future__ import annotations
 
-import tomllib
-from importlib import resources
-from pathlib import Path
-
-from pydantic import ValidationError
-
 from cell.errors import ProfileError
-from cell.profile.cell import Profile
+from cell.profile.cell import CellProfile, Profile
+from cell.profile.checking import check_profile
+from cell.profile.sources import ProfileSource, find_profile, with_line_feeds
 
 
-def load_profile(name_or_path: str) -> Profile:
-    """Load a shipped profile by name or any profile by path.
+def load_cell_profile(name_or_path: str) -> CellProfile:
+    """Load the profile of any cell: a shipped or a user's one by name, any by path.
 
     Raises:
         ProfileError: There is no such profile, it is not TOML, or a field is wrong.
     """
-    return parse_profile(profile_text(name_or_path), name_or_path)
+    return check_profile(find_profile(name_or_path)).require()
 
 
-def profile_text(name_or_path: str) -> str:
-    """Return the TOML text of a profile.
+def load_profile(name_or_path: str) -> Profile:
+    """Load the profile of a cell with a playground.
 
     Raises:
-        ProfileError: There is no such profile, or it cannot be read.
+        ProfileError: As `load_cell_profile`, and if the cell has no playground.
     """
-    path = Path(name_or_path)
-    try:
-        if path.suffix == ".toml":
-            return path.read_text("utf-8")
-        shipped = resources.files("cell") / "profiles" / f"{name_or_path}.toml"
-        if shipped.is_file():
-            return shipped.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ProfileError(f"the profile {name_or_path} cannot be read: {error}") from error
-    raise ProfileError(
-        f"there is no profile {name_or_path!r}; shipped are {', '.join(shipped_profiles())}, "
-        "and a path must end in .toml"
-    )
+    return _with_playground(load_cell_profile(name_or_path), name_or_path)
 
 
-def shipped_profiles() -> list[str]:
-    """Return the names of the shipped profiles."""
-    folder = resources.files("cell") / "profiles"
-    return sorted(
-        f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")
-    )
+def parse_cell_profile(text: str, source: str) -> CellProfile:
+    """Read the profile of any cell from TOML text.
+
+    Raises:
+        ProfileError: The text is not TOML, or a field is wrong; every mistake is shown.
+    """
+    return check_profile(ProfileSource(source, with_line_feeds(text))).require()
 
 
 def parse_profile(text: str, source: str) -> Profile:
-    """Read a profile from TOML text.
+    """Read the profile of a cell with a playground from TOML text.
 
     Args:
         text: The TOML text.
         source: Where it comes from, for messages.
 
     Raises:
-        ProfileError: The text is not TOML, or a field is wrong; every wrong field is named.
+        ProfileError: The text is not TOML, a field is wrong (every mistake is shown), or
+            the cell has no playground.
     """
-    try:
-        return Profile.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise ProfileError(f"{source} is not valid TOML: {error}") from error
-    except ValidationError as error:
-        problems = "; ".join(
-            f"{'.'.join(str(part) for part in e['loc'])}: {e['msg']}" for e in error.errors()
-        )
-        raise ProfileError(f"{source}: {problems}") from error
+    return _with_playground(parse_cell_profile(text, source), source)
+
+
+def _with_playground(profile: CellProfile, name: str) -> Profile:
+    if isinstance(profile, Profile):
+        return profile
+    raise ProfileError(
+        f"{name} is a cell without a playground (it has no [store], [heights], [blocks]): this "
+        f"needs a cell such as mash"
+    )

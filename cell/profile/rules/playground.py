@@ -1,0 +1,138 @@
+"""The playground: heights, fingers and blocks must fit each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from cell.profile.cell import Profile
+from cell.profile.rules.problem import PlaygroundRule, Problem
+
+GRIP_PLAY_MM: Final = 2.0
+"""Least room on both sides of a block together when the fingers come down over it (ours)."""
+
+
+def _outputs(profile: Profile) -> Iterator[Problem]:
+    taken: dict[int, str] = {}
+    for name in ("lights", "gripper_power", "magnet"):
+        bit = {
+            "lights": profile.outputs.lights,
+            "gripper_power": profile.outputs.gripper_power,
+            "magnet": profile.outputs.magnet,
+        }[name]
+        first = taken.setdefault(bit, name)
+        if first != name:
+            yield Problem(
+                ("outputs", name),
+                f"output {bit} switches both {first} and {name}",
+                "give each its own bit, as it is wired",
+                other=("outputs", first),
+            )
+
+
+def _heights(profile: Profile) -> Iterator[Problem]:
+    heights = profile.heights
+    if heights.laying_mm <= heights.surface_mm:
+        yield Problem(
+            ("heights", "laying_mm"),
+            f"blocks are laid down at {heights.laying_mm:g} mm, and the surface is at "
+            f"{heights.surface_mm:g} mm: the laying height must be above it",
+            other=("heights", "surface_mm"),
+        )
+    elif heights.service_mm <= heights.laying_mm:
+        yield Problem(
+            ("heights", "service_mm"),
+            f"the arm travels at {heights.service_mm:g} mm and lays blocks down at "
+            f"{heights.laying_mm:g} mm: the service height must be above the laying height",
+            other=("heights", "laying_mm"),
+        )
+
+
+def _fingertips(profile: Profile) -> Iterator[Problem]:
+    heights, gripper = profile.heights, profile.gripper
+    tips_mm = heights.laying_mm - gripper.tip_below_tool_mm
+    if heights.surface_mm < heights.laying_mm and tips_mm <= heights.surface_mm:
+        yield Problem(
+            ("heights", "laying_mm"),
+            f"at the laying height of {heights.laying_mm:g} mm the fingertips are at "
+            f"{tips_mm:g} mm, and the surface is at {heights.surface_mm:g} mm: they would touch it",
+            f"lay blocks down above {heights.surface_mm + gripper.tip_below_tool_mm:g} mm",
+            other=("gripper", "tip_below_tool_mm"),
+        )
+
+
+def _block_heights(profile: Profile) -> Iterator[Problem]:
+    heights, gripper = profile.heights, profile.gripper
+    tips_mm = heights.laying_mm - gripper.tip_below_tool_mm
+    for kind, block in profile.blocks.items():
+        top_mm = heights.surface_mm + block.height_mm
+        if tips_mm >= top_mm:
+            yield Problem(
+                ("blocks", kind, "height_mm"),
+                f"a {kind} ends at {top_mm:g} mm, and the fingertips at the laying height are at "
+                f"{tips_mm:g} mm: they would close above it",
+                other=("heights", "laying_mm"),
+            )
+        carried_mm = heights.service_mm - (heights.laying_mm - heights.surface_mm)
+        if carried_mm <= top_mm:
+            yield Problem(
+                ("heights", "service_mm"),
+                f"at {heights.service_mm:g} mm the bottom of a carried block is at "
+                f"{carried_mm:g} mm, and a {kind} on the table ends at {top_mm:g} mm: they would "
+                "collide",
+                other=("blocks", kind, "height_mm"),
+            )
+
+
+def _block_sizes(profile: Profile) -> Iterator[Problem]:
+    for kind, block in profile.blocks.items():
+        at = ("blocks", kind)
+        if block.width_mm + GRIP_PLAY_MM > profile.gripper.open_mm:
+            yield Problem(
+                (*at, "width_mm"),
+                f"a {kind} is {block.width_mm:g} mm wide, and the fingers open to "
+                f"{profile.gripper.open_mm:g} mm: they need {GRIP_PLAY_MM:g} mm more than it",
+                other=("gripper", "open_mm"),
+            )
+
+
+def _block_shapes(profile: Profile) -> Iterator[Problem]:
+    if not profile.blocks:
+        yield Problem(("blocks",), "no kind of block is given; a cell with a playground has some")
+    for kind, block in profile.blocks.items():
+        at = ("blocks", kind)
+        if block.shape == "cylinder" and block.length_mm != block.width_mm:
+            yield Problem(
+                (*at, "length_mm"),
+                f"a {kind} is a cylinder {block.length_mm:g} mm long and {block.width_mm:g} mm "
+                "wide: both must be its diameter",
+                other=(*at, "width_mm"),
+            )
+        if block.arch_radius_mm > min(block.height_mm, block.length_mm / 2):
+            yield Problem(
+                (*at, "arch_radius_mm"),
+                f"the opening of a {kind} has a radius of {block.arch_radius_mm:g} mm; "
+                f"{min(block.height_mm, block.length_mm / 2):g} mm at most fits into it",
+            )
+
+
+def _fingers(profile: Profile) -> Iterator[Problem]:
+    gripper = profile.gripper
+    if gripper.open_mm > gripper.stroke_mm:
+        yield Problem(
+            ("gripper", "open_mm"),
+            f"the fingers shall open to {gripper.open_mm:g} mm; their stroke of "
+            f"{gripper.stroke_mm:g} mm is the most",
+            other=("gripper", "stroke_mm"),
+        )
+
+
+PLAYGROUND_RULES = (
+    PlaygroundRule(("outputs",), _outputs),
+    PlaygroundRule(("heights",), _heights),
+    PlaygroundRule(("heights", "gripper"), _fingertips),
+    PlaygroundRule(("heights", "gripper", "blocks"), _block_heights),
+    PlaygroundRule(("gripper", "blocks"), _block_sizes),
+    PlaygroundRule(("blocks",), _block_shapes),
+    PlaygroundRule(("gripper",), _fingers),
+)
