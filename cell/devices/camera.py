@@ -8,6 +8,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.devices.camera_features import (
+    CameraFeature,
+    CameraIdentity,
+    FeatureName,
+    SettingsReport,
+)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraMode:
@@ -78,11 +85,57 @@ class Camera(Protocol):
     def close(self) -> None:
         """Stop."""
 
+    @property
+    def identity(self) -> CameraIdentity:
+        """Who the camera really is, by its GUID or serial number.
+
+        Raises:
+            DeviceError: It cannot be found.
+        """
+
     def settings(self) -> CameraSettings:
         """Return the settings in force."""
 
-    def configure(self, settings: CameraSettings) -> None:
-        """Put settings in force for the next frame."""
+    def configure(self, settings: CameraSettings) -> SettingsReport:
+        """Put settings in force for the next frame: set every feature and read it back.
+
+        Returns:
+            Which features did not take their value; all others did.
+
+        Raises:
+            DeviceError: No camera can have such a value, or the camera does not answer.
+        """
+
+    def features(self) -> tuple[CameraFeature, ...]:
+        """Return every feature that the camera has, as it is now.
+
+        Raises:
+            DeviceError: The camera does not answer.
+        """
+
+    def set_raw(self, name: FeatureName, value: int) -> CameraFeature:
+        """Set a feature's raw value by hand; return the feature as read back.
+
+        Raises:
+            FeatureError: It has another value now; the text says asked, allowed, read back.
+            DeviceError: The camera does not answer.
+        """
+
+    def set_absolute(self, name: FeatureName, value: float) -> CameraFeature:
+        """Set a feature's absolute value by hand; return the feature as read back.
+
+        Raises:
+            FeatureError: It has another value now; the text says asked, allowed, read back.
+            DeviceError: The camera does not answer.
+        """
+
+    def set_auto(self, name: FeatureName, *, is_auto: bool) -> CameraFeature:
+        """Leave a feature to the camera, or take it back; return the feature as read back.
+
+        Raises:
+            FeatureError: The camera does not do so.
+            DeviceError: The camera does not answer.
+        """
 
     def grab(self) -> Frame:
         """Return a picture that shows the scene as it is now.
@@ -91,5 +144,17 @@ class Camera(Protocol):
         camera sees has changed.
 
         Raises:
-            DeviceError: The camera is not open or gives no picture.
+            DeviceTimeout: No picture came in time.
+            DeviceError: The camera is not open or gives no whole picture.
+        """
+
+    def grab_fresh(self) -> Frame:
+        """Return a picture taken after this call, even if nothing has changed.
+
+        For whoever judges the camera itself: two such pictures differ at least by the
+        sensor's noise and have different numbers and times.
+
+        Raises:
+            DeviceTimeout: No picture came in time.
+            DeviceError: The camera is not open or gives no whole picture.
         """

@@ -1,43 +1,36 @@
-"""`TwinCamera`: a rendered sibling of the cell's cameras."""
+"""`TwinCamera`: a rendered sibling of the cell's cameras, with an emulated body behind it."""
 
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Callable, Sequence
-
-import cv2
-import numpy as np
-from numpy.typing import NDArray
 
 from cell.clock import Clock
 from cell.devices.camera import CameraMode, CameraSettings, Frame
-from cell.errors import DeviceError
-from cell.geometry import Pose, Transform
-from cell.kinematics import Matrix34
-from cell.profile import BlockProfile, Profile
+from cell.devices.camera_configure import apply_settings, settings_of
+from cell.devices.camera_features import (
+    CameraFeature,
+    CameraIdentity,
+    FeatureName,
+    SettingsReport,
+)
+from cell.drivers.iidc.features import IidcFeatures
+from cell.errors import DeviceError, DeviceTimeout
+from cell.profile import Profile
 from cell.store import StoreSlot
-from cell.twin.cameras.arm_shape import ArmSkeleton, GripperLook, arm_figures, box_figures
-from cell.twin.cameras.backdrop import MovingBackdrop, View, fixed_backdrop
-from cell.twin.cameras.figures import Figure
-from cell.twin.cameras.ground import PAINT, Ground
-from cell.twin.cameras.light import ScreenGlow, screen_glow
-from cell.twin.cameras.optics import Lens, lens_for_mode
-from cell.twin.cameras.painter import Brush, Eye, Sketch, paint, sketch
-from cell.twin.cameras.sensor import Exposure, SensorNoise
-from cell.twin.cameras.shadows import cast_shadows, standing
-from cell.twin.cameras.shapes import Colour, Solid, box, bridge, frustum
-from cell.twin.scene import Scene, SceneBlock
-
-_BLOCK_GLOSS = 1.0
-_KEPT_BACKDROPS = 8
-_KEPT_SKETCHES = 200
-_LENS_BLUR = (3, 3)
-_UNKNOWN_PAINT: Colour = (0.4, 0.4, 0.4)
+from cell.twin.cameras.arm_shape import ArmSkeleton
+from cell.twin.cameras.body import CameraBody, CameraFaults
+from cell.twin.cameras.metering import is_metering, meter
+from cell.twin.cameras.rendering import Renderer, Shot
+from cell.twin.scene import Scene
 
 
 class TwinCamera:
-    """A camera of the twin, fixed in the cell or on the arm's flange."""
+    """A camera of the twin, fixed in the cell or on the arm's flange.
+
+    Its features live in the register file of an emulated Flea2. The methods from
+    `freeze` on are its faults, for tests and demonstrations.
+    """
 
     def __init__(
         self,
@@ -64,80 +57,104 @@ class TwinCamera:
         self._name = name
         self._profile = profile
         self._device = profile.cameras[name]
+        self._placed_as = name
         self._placing = profile.twin.cameras[name]
         self._scene = scene
         self._arm = arm
         self._clock = clock
+        self._slots = tuple(slots)
         digest = hashlib.sha256(f"{seed} {name}".encode()).digest()
         self._seed = int.from_bytes(digest[:4], "big")
-        self._settings = self._device.settings
-        self._ground = Ground(
-            display=profile.display,
-            store=profile.store,
-            surface_mm=profile.heights.surface_mm,
-            slots=tuple(slots),
-            blocks=tuple(profile.blocks.items()),
-        )
-        position, rotation = self._placing.position_mm, self._placing.rotation_deg
-        self._mount_from_camera = Transform.from_pose(Pose(*position, *rotation))
-        self._is_fixed = self._placing.mount == "world"
-        self._gripper = GripperLook(
-            profile.gripper, profile.arm.tool_mm[2], _flange_camera(profile, name)
-        )
-        self._boxes = box_figures(profile.boxes, profile.heights.surface_mm)
+        self._body = CameraBody(name, self._device)
+        self._wanted = self._device.settings
+        self._faults = CameraFaults()
         self._mode: CameraMode | None = None
-        self._lens: Lens | None = None
-        self._moving: MovingBackdrop | None = None
-        self._canvas = np.empty((0, 0, 3), np.uint8)
-        self._backdrops: dict[tuple[object, ...], NDArray[np.uint8]] = {}
-        self._figures: dict[SceneBlock, Figure] = {}
-        self._sketches: dict[Figure, Sketch] = {}
-        self._sketch_key: tuple[object, ...] | None = None
+        self._renderer: Renderer | None = None
         self._number = 0
         self._last: tuple[int, CameraSettings, Frame] | None = None
+        self._settings: tuple[int, CameraSettings] | None = None
+        self.configure(self._wanted)
 
     @property
     def name(self) -> str:
         """Name of the camera in the profile."""
         return self._name
 
+    @property
+    def identity(self) -> CameraIdentity:
+        """Who the camera at the end of this cable is.
+
+        Raises:
+            DeviceError: Its cable is pulled.
+        """
+        self._body.registers.check_power()
+        return self._body.identity
+
+    @property
+    def body(self) -> CameraBody:
+        """The emulated body, with the registers that IIDC drivers read and write."""
+        return self._body
+
     def open(self, mode: CameraMode) -> str:
-        """Start in a mode, the frames counted from 1 again; return the identity."""
+        """Start in a mode, the frames counted from 1 again; return the identity.
+
+        A body that has lost its settings gets them back.
+
+        Raises:
+            DeviceError: The cable is pulled, or another camera is at its end.
+            FeatureError: A setting did not take.
+        """
+        self.close()
+        self._check_identity()
+        if self._body.registers.is_reset:
+            self.configure(self._wanted).require()
+        self._body.registers.set_frame_rate(mode.rate_hz)
         self._mode = mode
-        self._lens = lens_for_mode(self._placing, mode)
-        self._canvas = np.empty((mode.height_px, mode.width_px, 3), np.uint8)
-        self._moving = None if self._is_fixed else MovingBackdrop(self._ground, self._lens)
-        self._backdrops.clear()
-        self._sketches.clear()
         self._number = 0
-        self._last = None
-        return f"{self._device.model} {self._device.guid}"
+        self._point()
+        return str(self.identity)
 
     def close(self) -> None:
         """Stop; closing twice does nothing."""
         self._mode = None
-        self._lens = None
-        self._moving = None
-        self._backdrops.clear()
-        self._sketches.clear()
+        self._renderer = None
         self._last = None
 
     def settings(self) -> CameraSettings:
-        """Return the settings in force."""
-        return self._settings
+        """Return the settings in force, as the registers say."""
+        registers = self._body.registers
+        if self._settings is None or self._settings[0] != registers.revision:
+            if not registers.is_powered:
+                return self._wanted
+            self._settings = (registers.revision, settings_of(self.features(), self._wanted))
+        return self._settings[1]
 
-    def configure(self, settings: CameraSettings) -> None:
-        """Put settings in force for the next frame.
+    def configure(self, settings: CameraSettings) -> SettingsReport:
+        """Put settings in force for the next frame; return which features did not take.
 
         Raises:
-            DeviceError: A setting is one that the camera cannot have.
+            DeviceError: No camera can have such a setting, or the cable is pulled.
         """
-        if settings.shutter_ms <= 0 or settings.gamma <= 0:
-            raise DeviceError(
-                f"camera {self._name}",
-                f"shutter {settings.shutter_ms:g} ms and gamma {settings.gamma:g} must be positive",
-            )
-        self._settings = settings
+        report = apply_settings(self._name, self._access(), settings)
+        self._wanted = settings
+        self._body.registers.is_reset = False
+        return report
+
+    def features(self) -> tuple[CameraFeature, ...]:
+        """Return every feature of the body, as its registers say."""
+        return self._access().all()
+
+    def set_raw(self, name: FeatureName, value: int) -> CameraFeature:
+        """Set a feature's raw value by hand."""
+        return self._access().set_raw(name, value)
+
+    def set_absolute(self, name: FeatureName, value: float) -> CameraFeature:
+        """Set a feature's absolute value by hand."""
+        return self._access().set_absolute(name, value)
+
+    def set_auto(self, name: FeatureName, *, is_auto: bool) -> CameraFeature:
+        """Leave a feature to the body, or take it back."""
+        return self._access().set_auto(name, is_auto=is_auto)
 
     def grab(self) -> Frame:
         """Return a picture of the scene as it is now.
@@ -145,244 +162,179 @@ class TwinCamera:
         The same `Frame` comes back as long as scene and settings are the same.
 
         Raises:
-            DeviceError: The camera is not open.
+            DeviceTimeout: It has fallen silent.
+            DeviceError: It is not open, not on the bus, or gives half a picture.
         """
-        if self._lens is None:
-            raise DeviceError(f"camera {self._name}", "is not open", hint="open it in a mode first")
+        renderer = self._ready()
         scene = self._scene()
         if self._last is not None:
             revision, settings, frame = self._last
-            if revision == scene.revision and settings == self._settings:
+            if revision == scene.revision and settings == self.settings():
                 return frame
+        return self._grab_new(renderer, scene)
+
+    def grab_fresh(self) -> Frame:
+        """Return a new picture of the scene, even if it has not changed.
+
+        Raises:
+            DeviceTimeout: It has fallen silent.
+            DeviceError: It is not open, not on the bus, or gives half a picture.
+        """
+        return self._grab_new(self._ready(), self._scene())
+
+    def _grab_new(self, renderer: Renderer, scene: Scene) -> Frame:
+        faults = self._faults
+        settings = self.settings()
         self._number += 1
-        pixels = self._take(scene, self._lens)
-        pixels.setflags(write=False)
+        if faults.is_frozen and self._last is not None:
+            pixels = self._last[2].pixels
+        else:
+            pixels = renderer.take(
+                scene,
+                Shot(
+                    settings=settings,
+                    defaults=self._body.defaults,
+                    number=self._number,
+                    is_covered=faults.is_covered,
+                    defocus_px=faults.defocus_px,
+                ),
+            )
+            pixels.setflags(write=False)
         frame = Frame(
             camera=self._name,
             number=self._number,
             time_s=self._clock.now_s(),
             pixels=pixels,
-            settings=self._settings,
+            settings=settings,
         )
-        self._last = (scene.revision, self._settings, frame)
+        self._last = (scene.revision, settings, frame)
+        if is_metering(self._body.registers):
+            meter(self._body.registers, pixels)
         return frame
 
-    def _take(self, scene: Scene, lens: Lens) -> NDArray[np.uint8]:
-        points, tool = self._arm.chain(scene.joints_deg)
-        rotation, tool_point = _split(tool)
-        eye = Eye(lens, self._robot_from_camera(rotation, tool_point))
-        exposure = Exposure(self._settings, self._device.settings)
-        glow = _glow(scene.picture, self._profile)
-        ground_blocks = standing(scene.blocks, self._ground.surface_mm)
-        if self._moving is None:
-            canvas = self._fixed_canvas(scene, ground_blocks, eye, exposure, glow)
-        else:
-            canvas = self._moving.draw(
-                eye.robot_from_camera,
-                scene.picture,
-                exposure,
-                are_lights_on=scene.are_lights_on,
-                blocks=ground_blocks,
-                glow=glow,
+    def _ready(self) -> Renderer:
+        """Return what draws pictures, if the camera is there to give one."""
+        self._body.registers.check_power()
+        if self._renderer is None or self._mode is None:
+            raise DeviceError(f"camera {self._name}", "is not open", hint="open it in a mode first")
+        if self._faults.is_silent:
+            self._clock.sleep(self._device.timeout_s)
+            raise DeviceTimeout(
+                f"camera {self._name}",
+                f"gave no picture within {self._device.timeout_s:g} s",
+                hint="check its cable and power, then open it again",
             )
-        brush = Brush(
-            expose=_levels(exposure, lens),
-            glare=exposure.linear,
-            glow=glow,
-            are_lights_on=scene.are_lights_on,
+        if self._faults.half_frames > 0:
+            self._faults.half_frames -= 1
+            size = 3 * self._mode.width_px * self._mode.height_px
+            raise DeviceError(
+                f"camera {self._name}",
+                f"gave half a picture: {size // 2} of {size} bytes arrived",
+                hint="grab again; if it repeats, check the cable",
+            )
+        return self._renderer
+
+    def _access(self) -> IidcFeatures:
+        return IidcFeatures(self._name, self._body.registers)
+
+    def _check_identity(self) -> None:
+        found = self.identity
+        if found.guid != self._device.guid:
+            owner = next(
+                (n for n, c in self._profile.cameras.items() if c.guid == found.guid), "unknown"
+            )
+            raise DeviceError(
+                f"camera {self._name}",
+                f"has GUID {self._device.guid} in the profile, but {found.guid} ({owner}) answers",
+                hint="put the cables back into their own ports",
+            )
+
+    def _point(self) -> None:
+        """Make the picture anew from where the camera stands and looks now."""
+        self._last = None
+        if self._mode is None:
+            return
+        dx_px, dy_px = self._faults.knock_px
+        u_px, v_px = self._placing.centre_px
+        placing = self._placing.model_copy(update={"centre_px": (u_px + dx_px, v_px + dy_px)})
+        self._renderer = Renderer(
+            self._placed_as,
+            self._profile,
+            placing,
+            self._mode,
+            arm=self._arm,
+            seed=self._seed,
+            slots=self._slots,
         )
-        held, free = self._split_blocks(scene, rotation, tool_point)
-        hand = self._hand(scene, eye, rotation, tool_point, held)
-        moving = [*hand, *arm_figures(points, self._ground.surface_mm)]
-        still = [*self._boxes, *(self._block(block) for block in free)]
-        if self._is_fixed:
-            key = (scene.picture, scene.are_lights_on, exposure)
-            sketches = sketch(moving, eye, brush) + self._sketch_still(still, eye, brush, key)
-        else:
-            sketches = sketch(moving + still, eye, brush)
-        groups: list[Sequence[Sketch]] = [sketches[: len(hand)]]
-        groups += [(one,) for one in sketches[len(hand) :]]
-        paint(canvas, groups)
-        return self._develop(canvas, exposure)
 
-    def _sketch_still(
-        self, figures: list[Figure], eye: Eye, brush: Brush, key: tuple[object, ...]
-    ) -> list[Sketch]:
-        """Sketch what does not move, for a fixed camera: once for each light."""
-        if key != self._sketch_key or len(self._sketches) > _KEPT_SKETCHES:
-            self._sketches.clear()
-            self._sketch_key = key
-        new = [figure for figure in figures if figure not in self._sketches]
-        self._sketches.update(zip(new, sketch(new, eye, brush), strict=True))
-        return [self._sketches[figure] for figure in figures]
+    # Faults
 
-    def _robot_from_camera(
-        self, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]
-    ) -> Transform:
-        if self._is_fixed:
-            return self._mount_from_camera
-        matrix = np.eye(4)
-        matrix[:3, :3] = rotation
-        matrix[:3, 3] = tool_point - rotation @ np.array(self._profile.arm.tool_mm)
-        return Transform(matrix) @ self._mount_from_camera
+    def freeze(self, is_frozen: bool = True) -> None:
+        """Give the last picture again and again, under new numbers and times, or stop that."""
+        if is_frozen and self._last is None and self._renderer is not None:
+            self.grab()
+        self._faults.is_frozen = is_frozen
+        if not is_frozen:
+            self._last = None
 
-    def _fixed_canvas(
-        self,
-        scene: Scene,
-        blocks: tuple[SceneBlock, ...],
-        eye: Eye,
-        exposure: Exposure,
-        glow: ScreenGlow,
-    ) -> NDArray[np.uint8]:
-        """Return a copy of the kept backdrop with the shadows of standing blocks on it."""
-        base_key = (scene.picture, scene.are_lights_on, exposure)
-        key = (*base_key, blocks)
-        kept = self._backdrops.get(key)
-        if kept is None:
-            base = self._backdrops.get(base_key)
-            if base is None:
-                base = self._developed_backdrop(scene, eye, exposure)
-                self._keep(base_key, base)
-            kept = base.copy()
+    def cover_lens(self, is_covered: bool = True) -> None:
+        """Put the cap on the lens, or take it off."""
+        self._faults.is_covered = is_covered
+        self._last = None
 
-            def to_pixels(points_mm: NDArray[np.float64]) -> NDArray[np.float64] | None:
-                camera = eye.to_camera(points_mm)
-                return None if camera[:, 2].min() < 50.0 else eye.lens.project(camera)
+    def defocus(self, sigma_px: float) -> None:
+        """Turn the lens out of focus: a blur as seen at 1280 pixels across; 0 is sharp."""
+        self._faults.defocus_px = sigma_px
+        self._last = None
 
-            surface_mm = self._ground.surface_mm
-            cast_shadows(kept, blocks, self._profile.blocks, surface_mm, to_pixels, glow)
-            self._keep(key, kept)
-        np.copyto(self._canvas, kept)
-        return self._canvas
+    def knock(self, dx_px: float, dy_px: float) -> None:
+        """Turn the camera so that what it sees moves in the picture (1280 x 960); 0, 0 undoes."""
+        self._faults.knock_px = (dx_px, dy_px)
+        self._point()
 
-    def _developed_backdrop(self, scene: Scene, eye: Eye, exposure: Exposure) -> NDArray[np.uint8]:
-        view = View(self._ground, eye.lens, self._placing)
-        light = fixed_backdrop(
-            view, eye.robot_from_camera, scene.picture, are_lights_on=scene.are_lights_on
-        )
-        blurred = np.asarray(cv2.GaussianBlur(light, _LENS_BLUR, 0), np.float32)
-        return exposure.levels(exposure.linear(blurred))
+    def leave_auto(self, feature: FeatureName) -> None:
+        """Leave a feature automatic, as another program might.
 
-    def _keep(self, key: tuple[object, ...], backdrop: NDArray[np.uint8]) -> None:
-        while len(self._backdrops) >= _KEPT_BACKDROPS:
-            self._backdrops.pop(next(iter(self._backdrops)))
-        self._backdrops[key] = backdrop
-
-    def _block(self, block: SceneBlock) -> Figure:
-        figure = self._figures.get(block)
-        if figure is None:
-            if len(self._figures) > _KEPT_SKETCHES:
-                self._figures.clear()
-            figure = _block_figure(block, self._profile.blocks[block.kind])
-            self._figures[block] = figure
-        return figure
-
-    def _split_blocks(
-        self, scene: Scene, rotation: NDArray[np.float64], tool_point: NDArray[np.float64]
-    ) -> tuple[list[SceneBlock], list[SceneBlock]]:
-        """Return the blocks between the fingers, and all others."""
-        held, free = [], []
-        x, y, z = tool_point
-        for block in scene.blocks:
-            is_near = abs(block.x_mm - x) < 80 and abs(block.y_mm - y) < 80
-            if is_near and abs(block.z_mm - z) < 80:
-                size = self._profile.blocks[block.kind]
-                middle = (block.x_mm, block.y_mm, block.z_mm + size.height_mm / 2)
-                in_tool = (np.array(middle) - tool_point) @ rotation
-                half = scene.opening_mm / 2
-                is_between = abs(in_tool[1]) < half and abs(in_tool[0]) < size.length_mm / 2
-                if is_between and abs(in_tool[2]) < size.height_mm:
-                    held.append(block)
-                    continue
-            free.append(block)
-        return held, free
-
-    def _hand(
-        self,
-        scene: Scene,
-        eye: Eye,
-        rotation: NDArray[np.float64],
-        tool_point: NDArray[np.float64],
-        held: Sequence[SceneBlock],
-    ) -> list[Figure]:
-        """Return the gripper with what it holds, in the order to draw it.
-
-        Planes of the tool frame part its pieces, so their order follows from the side of
-        each plane on which the camera is.
+        Raises:
+            ValueError: The body has no automatic mode for it.
         """
-        camera = (eye.robot_from_camera.translation_mm - tool_point) @ rotation
-        body = self._gripper.body(rotation, tool_point)
-        near = 1.0 if camera[1] > 0 else -1.0
-        opening = scene.opening_mm
-        far_finger = self._gripper.finger(rotation, tool_point, opening, -near)
-        near_finger = self._gripper.finger(rotation, tool_point, opening, near)
-        is_above = camera[2] < -self._profile.arm.tool_mm[2] / 2
-        if is_above:
-            far_finger, near_finger = far_finger[::-1], near_finger[::-1]
-        fingers = [*far_finger, *(self._block(block) for block in held), *near_finger]
-        return [*fingers, *body[::-1]] if is_above else [*body, *fingers]
+        if not self._body.registers.leave_auto(feature):
+            raise ValueError(f"the camera has no automatic {feature}")
 
-    def _develop(self, canvas: NDArray[np.uint8], exposure: Exposure) -> NDArray[np.uint8]:
-        """Return the finished picture: sharpened as set, with the sensor's noise."""
-        picture = canvas
-        weight = exposure.sharpening()
-        if weight != 0.0:
-            soft = cv2.GaussianBlur(picture, (0, 0), 1.5)
-            picture = np.asarray(cv2.addWeighted(picture, 1.0 + weight, soft, -weight, 0), np.uint8)
-        noise = SensorNoise(self._seed, self._placing.noise * exposure.amplification)
-        return noise.apply(picture, self._number)
+    def fall_silent(self, is_silent: bool = True) -> None:
+        """Give no pictures, or give them again."""
+        self._faults.is_silent = is_silent
 
+    def half_frame(self, count: int = 1) -> None:
+        """Lose half of each of the next pictures."""
+        self._faults.half_frames = count
+        self._last = None
 
-def _split(tool: Matrix34) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    rows = np.array(tool).reshape(3, 4)
-    return rows[:, :3], rows[:, 3]
+    def pull_cable(self) -> None:
+        """Take the camera off the bus, with its power."""
+        self._body.registers.is_powered = False
 
+    def plug_in(self) -> None:
+        """Put the camera back on the bus: closed, its settings lost until it is opened."""
+        if not self._body.registers.is_powered:
+            self._body.registers.power_up()
+            self.close()
 
-def _flange_camera(profile: Profile, itself: str) -> tuple[float, float, float] | None:
-    """Return where another camera hangs on the flange, None without one."""
-    for name, placing in profile.twin.cameras.items():
-        if placing.mount == "flange" and name != itself:
-            return placing.position_mm
-    return None
+    def swap_cables(self, other: TwinCamera) -> None:
+        """Exchange the ports of two cameras: here is the other camera now, and there this one."""
+        self._body, other._body = other._body, self._body
+        self.swap_places(other)
 
+    def swap_places(self, other: TwinCamera) -> None:
+        """Exchange where two cameras hang; each keeps its cable and GUID."""
+        self._placing, other._placing = other._placing, self._placing
+        self._placed_as, other._placed_as = other._placed_as, self._placed_as
+        self._settings = other._settings = None
+        self._point()
+        other._point()
 
-_glows: dict[tuple[str | None, object], ScreenGlow] = {}
-
-
-def _glow(picture: str | None, profile: Profile) -> ScreenGlow:
-    """Return the glow of a picture on the profile's panel, worked out once."""
-    key = (picture, profile.display)
-    if key not in _glows:
-        _glows[key] = screen_glow(picture, profile.display)
-    return _glows[key]
-
-
-def _levels(
-    exposure: Exposure, lens: Lens
-) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]:
-    def levels(light: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.uint8]:
-        share = np.maximum(lens.brightness(pixels), 0.5)
-        return exposure.levels(exposure.linear(light * share[:, None]))
-
-    return levels
-
-
-def _block_figure(block: SceneBlock, size: BlockProfile) -> Figure:
-    turn = math.radians(block.yaw_deg)
-    cos, sin = math.cos(turn), math.sin(turn)
-    return Figure(
-        _block_solid(size),
-        np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]),
-        np.array([block.x_mm, block.y_mm, block.z_mm]),
-        PAINT.get(block.colour, _UNKNOWN_PAINT),
-        _BLOCK_GLOSS,
-        takes_glare=True,
-    )
-
-
-def _block_solid(size: BlockProfile) -> Solid:
-    if size.shape == "cylinder":
-        return frustum(size.length_mm / 2, size.length_mm / 2, size.height_mm, 32)
-    if size.arch_radius_mm > 0:
-        return bridge(size.length_mm, size.width_mm, size.height_mm, size.arch_radius_mm)
-    return box(size.length_mm, size.width_mm, size.height_mm)
+    def mend(self) -> None:
+        """Undo every fault of this camera, except swapped places and cables."""
+        self._faults = CameraFaults()
+        self.plug_in()
+        self._point()

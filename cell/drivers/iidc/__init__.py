@@ -1,0 +1,1 @@
+"""Cameras with IIDC registers (IEEE 1394): the words, and the features they stand for."""
