@@ -35,22 +35,7 @@ class MemoryLink:
     def read(self, timeout_s: float) -> bytes:
         """Return what the emulator has sent, waiting at most `timeout_s`."""
         self._require_open()
-        now_s = self._clock.now_s()
-        data = self._emulator.transmit(now_s)
-        deadline_s = now_s + timeout_s
-        creep_s = _CREEP_S
-        while not data and now_s < deadline_s:
-            next_s = self._emulator.next_output_s()
-            wake_s = deadline_s if next_s is None else min(next_s, deadline_s)
-            if wake_s > now_s:
-                self._clock.sleep(wake_s - now_s)
-            else:
-                # An emulator that is due but says nothing must not hold the time still.
-                self._clock.sleep(creep_s)
-                creep_s *= 2.0
-            now_s = self._clock.now_s()
-            data = self._emulator.transmit(now_s)
-        return data
+        return await_bytes(self._emulator, self._clock, timeout_s)
 
     def close(self) -> None:
         """Let the link go."""
@@ -59,3 +44,26 @@ class MemoryLink:
     def _require_open(self) -> None:
         if not self._is_open:
             raise LinkError(f"the link to {self._name} is closed")
+
+
+def await_bytes(emulator: Emulator, clock: Clock, timeout_s: float) -> bytes:
+    """Return what an emulator sends, letting at most `timeout_s` pass on the clock.
+
+    The clock goes from one thing that is due to the next, never further than needed.
+    """
+    now_s = clock.now_s()
+    data = emulator.transmit(now_s)
+    deadline_s = now_s + timeout_s
+    creep_s = _CREEP_S
+    while not data and now_s < deadline_s:
+        next_s = emulator.next_output_s()
+        wake_s = deadline_s if next_s is None else min(next_s, deadline_s)
+        if wake_s > now_s:
+            clock.sleep(wake_s - now_s)
+        else:
+            # An emulator that is due but says nothing must not hold the time still.
+            clock.sleep(creep_s)
+            creep_s *= 2.0
+        now_s = clock.now_s()
+        data = emulator.transmit(now_s)
+    return data
