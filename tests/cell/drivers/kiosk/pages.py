@@ -1,0 +1,142 @@
+"""A page without a browser, and a clock for those who will not wait."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, Self
+
+from tornado.httpclient import AsyncHTTPClient
+from tornado.websocket import WebSocketClientConnection, websocket_connect
+
+from cell.clock import SystemClock
+from cell.drivers.kiosk import KioskScreen, PageView
+
+PATIENCE_S = 20.0
+
+
+class RushedClock(SystemClock):
+    """Real time until `rush` is called; from then on every deadline has passed when asked."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._ahead_s: float | None = None
+
+    def rush(self) -> None:
+        self._ahead_s = 0.0
+
+    def now_s(self) -> float:
+        if self._ahead_s is None:
+            return super().now_s()
+        self._ahead_s += 1e6
+        return self._ahead_s
+
+
+def view(
+    width_px: int = 1920,
+    height_px: int = 1080,
+    *,
+    screen_px: tuple[int, int] = (1920, 1080),
+    ratio: float = 1.0,
+    is_visible: bool = True,
+) -> dict[str, Any]:
+    """Return what a page says of its window."""
+    return {
+        "window_px": [width_px, height_px],
+        "pixel_ratio": ratio,
+        "screen_px": list(screen_px),
+        "is_visible": is_visible,
+        "is_fullscreen": True,
+        "browser": "fake",
+    }
+
+
+Reaction = Callable[[dict[str, Any], bytes], list[dict[str, Any]]]
+"""What a page says to a `show`, given the message and the file it fetched."""
+
+
+def silence(show: dict[str, Any], png: bytes) -> list[dict[str, Any]]:
+    return []
+
+
+def loading_only(show: dict[str, Any], png: bytes) -> list[dict[str, Any]]:
+    return [{"kind": "loading", "number": show["number"]}]
+
+
+class FakePage:
+    """Connects, tells its view, fetches what it is told to show, and reacts."""
+
+    def __init__(self, screen: KioskScreen, reaction: Reaction, seen: dict[str, Any]) -> None:
+        self._screen = screen
+        self._reaction = reaction
+        self._view = seen
+        self._loop = asyncio.new_event_loop()
+        self._socket: WebSocketClientConnection | None = None
+        self.shows: list[dict[str, Any]] = []
+        self.was_closed_by_server = threading.Event()
+        self._ready = threading.Event()
+        self._thread = threading.Thread(target=self._loop.run_until_complete, args=[self._run()])
+
+    def __enter__(self) -> Self:
+        known = len(self._screen.pages())
+        self._thread.start()
+        assert self._ready.wait(PATIENCE_S)
+        await_pages(self._screen, lambda pages: len(pages) > known and all(p.view for p in pages))
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._close)
+        self._thread.join(PATIENCE_S)
+        assert not self._thread.is_alive()
+        self._loop.close()
+
+    def say(self, message: dict[str, Any] | str) -> None:
+        """Send a message now."""
+        text = message if isinstance(message, str) else json.dumps(message)
+        self._loop.call_soon_threadsafe(self._send, text)
+
+    def _send(self, text: str) -> None:
+        assert self._socket is not None
+        self._socket.write_message(text)
+
+    def _close(self) -> None:
+        if self._socket is not None:
+            self._socket.close()
+
+    async def _run(self) -> None:
+        base = self._screen.url.rstrip("/")
+        self._socket = await websocket_connect(f"{base.replace('http', 'ws')}/socket")
+        self._send(json.dumps({"kind": "view", "view": self._view}))
+        self._ready.set()
+        client = AsyncHTTPClient()
+        while (text := await self._socket.read_message()) is not None:
+            show = json.loads(text)
+            self.shows.append(show)
+            png = (await client.fetch(f"{base}{show['path']}")).body
+            for answer in self._reaction(show, png):
+                self._send(json.dumps(answer))
+        self._socket.close()
+        self.was_closed_by_server.set()
+        client.close()
+
+
+def await_pages(screen: KioskScreen, condition: Callable[[Any], bool]) -> None:
+    """Return when the screen's pages are as wished."""
+    version, pages = screen._board.read()
+    while not condition(pages):
+        assert screen._board.wait_for_change(version, PATIENCE_S), pages
+        version, pages = screen._board.read()
+
+
+def page_view(**changes: Any) -> PageView:
+    """Return a view as the cell has it."""
+    return PageView.model_validate_json(json.dumps(view(**changes)))
