@@ -43,7 +43,12 @@ COMMANDS: Final = (
         "Look at recorded sessions, and prove that they repeat.",
     ),
     Command("clean", "", "console.clean:clean", "Bring every block back to the store."),
-    Command("profile", "show", "console.profile:app", "Show what the program knows of a cell."),
+    Command(
+        "profile",
+        "new|check|show|diff|list",
+        "console.profile:app",
+        "Write, check, show and compare the profiles of cells.",
+    ),
 )
 """In the order of the overview."""
 

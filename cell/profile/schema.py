@@ -17,6 +17,7 @@ from typing import Final, cast, get_args
 from pydantic import BaseModel
 
 from cell.profile.cell import CellProfile
+from cell.profile.glossary import GLOSSARY
 from cell.profile.toml_places import KeyPath
 
 Node = Mapping[str, object]
@@ -82,7 +83,9 @@ class Schema:
                 unit=unit_of(name),
                 is_required=name in required,
                 default=node.get("default"),
-                words=words.get(name, cast(str, node.get("description", ""))),
+                words=words.get(name)
+                or cast(str, node.get("description"))
+                or GLOSSARY.get(name, ""),
                 choices=self.choices(node),
             )
             for name, node in _children(table)
@@ -154,9 +157,9 @@ class Schema:
         choices = self.choices(node)
         if choices:
             return _one_of(choices)
-        kind = node.get("type")
+        kind = cast(str, node.get("type", ""))
         if kind in _NUMBERS:
-            return f"a {_NUMBERS[cast(str, kind)]}{_range(node)}"
+            return f"a {_NUMBERS[kind]}{_range(node)}"
         if kind == "boolean":
             return "true or false"
         if kind == "string":
@@ -234,12 +237,18 @@ def _range(node: Node) -> str:
     """Return the range of a number: ` from 1 to 3`, ` above 0`, or nothing."""
     low, high, above = (node.get(key) for key in ("minimum", "maximum", "exclusiveMinimum"))
     if low is not None and high is not None:
-        return f" from {low:g} to {high:g}"
+        return f" from {_figure(low)} to {_figure(high)}"
     if above is not None and high is not None:
-        return f" above {above:g}, {high:g} at most"
+        return f" above {_figure(above)}, {_figure(high)} at most"
     if above is not None:
-        return f" above {above:g}"
-    return "" if low is None else f" of {low:g} or more"
+        return f" above {_figure(above)}"
+    if high is not None:
+        return f" of {_figure(high)} at most"
+    return "" if low is None else f" of {_figure(low)} or more"
+
+
+def _figure(value: object) -> str:
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 
 def _all_words(model: type[CellProfile]) -> dict[str, dict[str, str]]:

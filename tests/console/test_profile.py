@@ -9,7 +9,7 @@ from console.cli import main
 
 
 def test_a_profile_is_shown_as_it_is_written(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["profile", "show", "mash"]) == 0
+    assert main(["profile", "show", "mash", "--text"]) == 0
     assert capsys.readouterr().out == profile_text("mash").rstrip() + "\n"
 
 

@@ -16,7 +16,7 @@ from cell.profile.rules.problem import Problem
 from cell.profile.rules.surroundings import SURROUNDINGS_RULES
 from cell.profile.rules.wires import WIRE_RULES
 
-__all__ = ["Problem", "broken_rules"]
+__all__ = ["Problem", "broken_rules", "rule_sentences"]
 
 _EVERYWHERE: Final = (*ARM_RULES, *WIRE_RULES, *CAMERA_RULES, *SURROUNDINGS_RULES)
 _ON_PLAYGROUNDS: Final = (*PLAYGROUND_RULES, *CAMERA_TWIN_RULES)
@@ -37,3 +37,8 @@ def broken_rules(profile: CellProfile, sound: Sequence[str]) -> list[Problem]:
             if set(rule.needs) <= set(sound):
                 found += rule.check(profile)
     return found
+
+
+def rule_sentences() -> list[str]:
+    """Return what each rule asks for, in a sentence."""
+    return [rule.check.__doc__ or "" for rule in (*_EVERYWHERE, *_ON_PLAYGROUNDS)]

@@ -17,6 +17,7 @@ def _joint_fields(profile: CellProfile) -> tuple[str, str, str, str]:
 
 
 def _joint_limits(profile: CellProfile) -> Iterator[Problem]:
+    """Every joint: least below greatest position, rest between them, speed above 0."""
     low_name, high_name, rest_name, speed_name = _joint_fields(profile)
     arm = profile.arm
     if isinstance(arm, Ibm7545Profile):
@@ -47,6 +48,7 @@ def _joint_limits(profile: CellProfile) -> Iterator[Problem]:
 
 
 def _linear_speed(profile: CellProfile) -> Iterator[Problem]:
+    """`linear_speed_mm_s` is at most `max_linear_speed_mm_s`."""
     arm = profile.arm
     if arm.linear_speed_mm_s > arm.max_linear_speed_mm_s:
         yield Problem(

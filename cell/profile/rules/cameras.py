@@ -9,6 +9,7 @@ from cell.profile.rules.problem import PlaygroundRule, Problem, Rule
 
 
 def _camera_identities(profile: CellProfile) -> Iterator[Problem]:
+    """No two cameras have the same number or GUID."""
     numbers: dict[int, str] = {}
     guids: dict[str, str] = {}
     for name, camera in profile.cameras.items():
@@ -31,6 +32,7 @@ def _camera_identities(profile: CellProfile) -> Iterator[Problem]:
 
 
 def _plane_maps(profile: CellProfile) -> Iterator[Problem]:
+    """A plane map can be inverted. Warning: not noted with which camera, or with another one."""
     for name, camera in profile.cameras.items():
         rows = camera.plane_map
         at = ("cameras", name, "plane_map")
@@ -70,6 +72,7 @@ def _determinant(m: tuple[tuple[float, float, float], ...]) -> float:
 
 
 def _camera_twins(profile: Profile) -> Iterator[Problem]:
+    """Every camera has a twin in `twin.cameras`. Warning: a twin without a camera."""
     for name in profile.cameras:
         if name not in profile.twin.cameras:
             yield Problem(

@@ -13,6 +13,7 @@ GRIP_PLAY_MM: Final = 2.0
 
 
 def _outputs(profile: Profile) -> Iterator[Problem]:
+    """No two outputs have the same bit."""
     taken: dict[int, str] = {}
     for name in ("lights", "gripper_power", "magnet"):
         bit = {
@@ -31,6 +32,7 @@ def _outputs(profile: Profile) -> Iterator[Problem]:
 
 
 def _heights(profile: Profile) -> Iterator[Problem]:
+    """The laying height is above the surface, the service height above the laying height."""
     heights = profile.heights
     if heights.laying_mm <= heights.surface_mm:
         yield Problem(
@@ -49,6 +51,7 @@ def _heights(profile: Profile) -> Iterator[Problem]:
 
 
 def _fingertips(profile: Profile) -> Iterator[Problem]:
+    """At the laying height the fingertips do not touch the surface."""
     heights, gripper = profile.heights, profile.gripper
     tips_mm = heights.laying_mm - gripper.tip_below_tool_mm
     if heights.surface_mm < heights.laying_mm and tips_mm <= heights.surface_mm:
@@ -62,6 +65,7 @@ def _fingertips(profile: Profile) -> Iterator[Problem]:
 
 
 def _block_heights(profile: Profile) -> Iterator[Problem]:
+    """The fingertips reach down to every block, and a carried block passes over every other."""
     heights, gripper = profile.heights, profile.gripper
     tips_mm = heights.laying_mm - gripper.tip_below_tool_mm
     for kind, block in profile.blocks.items():
@@ -85,6 +89,7 @@ def _block_heights(profile: Profile) -> Iterator[Problem]:
 
 
 def _block_sizes(profile: Profile) -> Iterator[Problem]:
+    """Every block fits between the open fingers, with 2 mm to spare."""
     for kind, block in profile.blocks.items():
         at = ("blocks", kind)
         if block.width_mm + GRIP_PLAY_MM > profile.gripper.open_mm:
@@ -97,6 +102,7 @@ def _block_sizes(profile: Profile) -> Iterator[Problem]:
 
 
 def _block_shapes(profile: Profile) -> Iterator[Problem]:
+    """There is a kind of block; a cylinder is as long as wide; an arch fits into its block."""
     if not profile.blocks:
         yield Problem(("blocks",), "no kind of block is given; a cell with a playground has some")
     for kind, block in profile.blocks.items():
@@ -117,6 +123,7 @@ def _block_shapes(profile: Profile) -> Iterator[Problem]:
 
 
 def _fingers(profile: Profile) -> Iterator[Problem]:
+    """The fingers do not open further than their stroke."""
     gripper = profile.gripper
     if gripper.open_mm > gripper.stroke_mm:
         yield Problem(

@@ -15,6 +15,7 @@ _VARIABLE = re.compile(r"^[A-Za-z_][A-Za-z0-9_]*$")
 
 
 def _boxes(profile: CellProfile) -> Iterator[Problem]:
+    """Every box reaches from less to more along x, y and z, and has a name of its own."""
     names: dict[str, int] = {}
     for number, box in enumerate(profile.boxes):
         first = names.setdefault(box.name, number)
@@ -35,6 +36,7 @@ def _boxes(profile: CellProfile) -> Iterator[Problem]:
 
 
 def _secrets(profile: CellProfile) -> Iterator[Problem]:
+    """Warning: an address with a password in it, or a secret where its variable is named."""
     urls: list[tuple[KeyPath, str]] = []
     variables: list[tuple[KeyPath, str]] = []
     if "web_camera" in profile.__dict__ and profile.web_camera is not None:

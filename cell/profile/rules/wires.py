@@ -31,6 +31,7 @@ def _serial_devices(profile: Profile) -> Iterator[tuple[str, GripperProfile | Di
 
 
 def _shared_ports(profile: CellProfile) -> Iterator[Problem]:
+    """A serial port has one device; disabled ones do not count, nor the port of an arm on TCP."""
     taken: dict[tuple[str, str], str] = {}
     for device, serial in _ports(profile):
         for field, value in (("port", serial.port), ("usb_serial", serial.usb_serial)):
@@ -47,6 +48,7 @@ def _shared_ports(profile: CellProfile) -> Iterator[Problem]:
 
 
 def _unused(profile: CellProfile) -> Iterator[Problem]:
+    """Warning: a port that nothing uses, or a device in use without one."""
     arm = profile.arm
     if isinstance(arm, MelfaProfile) and arm.tcp is not None and arm.serial.port:
         yield Problem(
