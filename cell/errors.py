@@ -4,7 +4,9 @@ CellError
 ├── ProfileError        the profile is wrong
 ├── LinkError           bytes do not travel
 ├── DeviceError         a device refused, failed or did not answer
-│   └── DeviceTimeout   it did not answer in time
+│   ├── DeviceTimeout   it did not answer in time
+│   ├── DeviceRestarted it has forgotten its session: it was off in between
+│   └── MotionInterrupted a motion ended early without an alarm
 ├── MotionRefused       the guard turned a motion down
 ├── UnreachablePose     no joint angles give the pose
 ├── GripFailed          the fingers closed and hold nothing
@@ -12,6 +14,8 @@ CellError
 ├── LedgerError         the ledger cannot be read or written
 ├── VisionError         a picture cannot be read as expected
 ├── Stopped             somebody asked the operation to stop
+├── ResumeRefused       after a stop, the check says that nothing may move yet
+├── SafeStop            a fault after which the task is over and nothing moves
 └── StillHeld           another process has the cell
 """
 
@@ -54,6 +58,14 @@ class DeviceError(CellError):
 
 class DeviceTimeout(DeviceError):
     """A device did not answer or did not finish in time."""
+
+
+class DeviceRestarted(DeviceError):
+    """A device has forgotten its session: it was switched off and on in between."""
+
+
+class MotionInterrupted(DeviceError):
+    """A motion ended before its target without an alarm: somebody pressed a stop."""
 
 
 class UnreachablePose(CellError):
@@ -141,6 +153,22 @@ class VisionError(CellError):
 
 class Stopped(CellError):
     """The operation ended early because somebody asked it to."""
+
+
+class ResumeRefused(CellError):
+    """Nothing may move yet after a stop; the text says what is wrong and what to do."""
+
+
+class SafeStop(CellError):
+    """A fault after which the arm stands still and the task is over.
+
+    Attributes:
+        cause: The fault itself.
+    """
+
+    def __init__(self, cause: CellError) -> None:
+        self.cause = cause
+        super().__init__(str(cause))
 
 
 class StillHeld(CellError):

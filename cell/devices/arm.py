@@ -22,9 +22,40 @@ class ArmState:
     """Number of the active alarm, 0 for none."""
     alarm_text: str
     override_percent: int
+    has_right: bool = True
+    """Whether commands that move are taken from us and from nobody else."""
 
 
-class Arm(Protocol):
+class ArmSignals(Protocol):
+    """What may be asked of an arm and its controller without moving anything.
+
+    Every method raises `DeviceError` when the controller refuses and
+    `DeviceTimeout` when it does not answer in time.
+    """
+
+    def read_pose(self) -> Pose:
+        """Return where the tool point is."""
+
+    def read_joints(self) -> JointPositions:
+        """Return the joint angles."""
+
+    def read_state(self) -> ArmState:
+        """Return the controller's state."""
+
+    def stop(self) -> None:
+        """Stop any motion now; works in every state."""
+
+    def reset_alarm(self) -> None:
+        """Clear an active alarm whose cause is gone."""
+
+    def set_output(self, bit: int, *, is_on: bool) -> None:
+        """Switch one output of the controller."""
+
+    def read_output(self, bit: int) -> bool:
+        """Return whether one output is on."""
+
+
+class Arm(ArmSignals, Protocol):
     """An arm that moves only when its caller has passed the guard.
 
     Every method raises `DeviceError` when the controller refuses and
@@ -57,24 +88,3 @@ class Arm(Protocol):
 
     def move_joints(self, joints: JointPositions, *, expected_s: float = 0.0) -> None:
         """Move every joint to its angle and return when the arm stands there."""
-
-    def read_pose(self) -> Pose:
-        """Return where the tool point is."""
-
-    def read_joints(self) -> JointPositions:
-        """Return the joint angles."""
-
-    def read_state(self) -> ArmState:
-        """Return the controller's state."""
-
-    def stop(self) -> None:
-        """Stop any motion now; works in every state."""
-
-    def reset_alarm(self) -> None:
-        """Clear an active alarm whose cause is gone."""
-
-    def set_output(self, bit: int, *, is_on: bool) -> None:
-        """Switch one output of the controller."""
-
-    def read_output(self, bit: int) -> bool:
-        """Return whether one output is on."""

@@ -26,6 +26,13 @@ class Display(Protocol):
     def select_input(self, number: int) -> None:
         """Select an input of the profile's table."""
 
+    def selected_input(self) -> int:
+        """Return the number of the input that is shown.
+
+        Raises:
+            DeviceError: What is shown has no number, such as a tuner.
+        """
+
     def set_volume(self, volume: int) -> None:
         """Set the volume, 0 to 60."""
 

@@ -37,11 +37,19 @@ class Gripper(Protocol):
     whoever opens it has switched it on.
     """
 
-    def open(self) -> str:
-        """Connect, acknowledge errors, reference if needed; return the identity."""
+    def open(self, *, may_move: bool = True) -> str:
+        """Connect, acknowledge errors, reference if needed; return the identity.
+
+        Args:
+            may_move: Whether the fingers may move, as referencing makes them; when not, a
+                gripper that needs referencing stays as it is until `reference`.
+        """
 
     def close(self) -> None:
         """Stop and disconnect; the fingers keep what they hold."""
+
+    def reference(self) -> None:
+        """Find the zero position; the fingers open over their whole stroke."""
 
     def move_to(self, opening_mm: float) -> None:
         """Move the fingers to an opening and return when they stand there."""

@@ -5,6 +5,9 @@ Knows deadlines, stale bytes and refusals; knows nothing of what a command does.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 from cell.clock import Clock
 from cell.drivers.melfa_r3 import records, tables
 from cell.drivers.melfa_r3.codec import (
@@ -16,12 +19,26 @@ from cell.drivers.melfa_r3.codec import (
     decode_reply,
     encode_text,
 )
+from cell.drivers.melfa_r3.repeating import may_be_repeated
 from cell.drivers.melfa_r3.settings import ArmSettings
-from cell.errors import DeviceError, DeviceTimeout
+from cell.errors import CellError, DeviceError, DeviceRestarted, DeviceTimeout, LinkError
 from cell.links.base import Link
+
+LOST = (DeviceTimeout, GarbledMessage, LinkError)
+"""What a request ends in whose reply did not arrive whole: nobody knows whether it was done."""
+
+OnRepeat = Callable[[str, str], None]
+"""Told the device and what was wrong, whenever a request is sent again."""
+
+_T = TypeVar("_T")
 
 _SILENT_HINT = "check that the controller is on, its cable, and the port's settings"
 _MAX_STALE_READS = 64
+
+
+def told(error: CellError) -> str:
+    """Return what an error says, without the name of the device."""
+    return error.problem if isinstance(error, DeviceError) else str(error)
 
 
 class Dialogue:
@@ -29,10 +46,14 @@ class Dialogue:
 
     There is never more than one request under way. Whatever lies in the line
     before a request is thrown away; after a missed reply the line must first
-    fall silent, so that a late reply is not taken for the next one.
+    fall silent, so that a late reply is not taken for the next one. A request that may be
+    repeated is sent again, on a quiet line, when its reply is lost or broken.
     """
 
-    def __init__(self, link: Link, clock: Clock, settings: ArmSettings) -> None:
+    def __init__(
+        self, link: Link, clock: Clock, settings: ArmSettings, on_repeat: OnRepeat
+    ) -> None:
+        self.on_repeat = on_repeat
         self._link = link
         self._clock = clock
         self._settings = settings
@@ -52,6 +73,53 @@ class Dialogue:
             DeviceError: The controller refused, or its reply is no reply.
             DeviceTimeout: It did not answer in time.
         """
+        reply = self.request(command, args)
+        if not reply.is_accepted:
+            raise self.refusal(command + args, reply)
+        return reply.data
+
+    def read(self, parse: Callable[[str], _T], command: str, args: str = "") -> _T:
+        """Send a question and return its parsed answer; one that makes no sense is asked again.
+
+        Raises:
+            DeviceError: The controller refused, or its answers make no sense.
+            DeviceTimeout: It did not answer in time.
+        """
+        try:
+            return parse(self.ask(command, args))
+        except GarbledMessage as error:
+            return self._again(self.garbled(error), lambda: parse(self._asked_once(command, args)))
+
+    def request(self, command: str, args: str = "") -> Reply:
+        """Send a command and return its reply, refused or not; repeated where that is safe.
+
+        Raises:
+            DeviceError: What came back is no reply, or the command cannot be sent.
+            DeviceTimeout: Nothing came back in time.
+            LinkError: The link is broken.
+        """
+        try:
+            return self.exchange(command, args)
+        except LOST as error:
+            if not may_be_repeated(command, args):
+                raise
+            return self._again(error, lambda: self.exchange(command, args))
+
+    def _again(self, error: CellError, work: Callable[[], _T]) -> _T:
+        """Do again what has failed once, until it works or was tried often enough."""
+        pause_s = self._settings.link_pause_s
+        for _ in range(self._settings.attempts - 1):
+            self.on_repeat(self.device, told(error))
+            if isinstance(error, LinkError):
+                self._clock.sleep(pause_s)
+                pause_s *= 2.0
+            try:
+                return work()
+            except LOST as again:
+                error = self.garbled(again) if isinstance(again, GarbledMessage) else again
+        raise error
+
+    def _asked_once(self, command: str, args: str) -> str:
         reply = self.exchange(command, args)
         if not reply.is_accepted:
             raise self.refusal(command + args, reply)
@@ -65,7 +133,7 @@ class Dialogue:
             DeviceTimeout: It was still busy after `busy_timeout_s`, or did not answer.
         """
         deadline_s = self._clock.now_s() + self._settings.busy_timeout_s
-        reply = self.exchange(command, args)
+        reply = self.request(command, args)
         while reply.error == tables.BUSY:
             if self._clock.now_s() >= deadline_s:
                 raise DeviceTimeout(
@@ -76,7 +144,7 @@ class Dialogue:
                     hint="stop the arm",
                 )
             self._clock.sleep(self._settings.poll_s)
-            reply = self.exchange(command, args)
+            reply = self.request(command, args)
         if not reply.is_accepted:
             raise self.refusal(command + args, reply)
 
@@ -114,6 +182,8 @@ class Dialogue:
         """Return the error that tells of a refused request and of the alarm behind it."""
         text, hint = self.explain(reply.error)
         problem = f"the controller refused {request}: {text}"
+        if reply.error == tables.NOT_OPEN:
+            return DeviceRestarted(self.device, problem, code=reply.error, hint=hint)
         if not reply.has_alarm:
             return DeviceError(self.device, problem, code=reply.error, hint=hint)
         alarm = self.active_alarm()
@@ -128,11 +198,11 @@ class Dialogue:
         Raises:
             DeviceError: The controller does not tell.
         """
-        reply = self.exchange("ERROR")
+        reply = self.request("ERROR")
         try:
             alarm = records.parse_alarm(reply.data) if reply.is_accepted else None
         except GarbledMessage as error:
-            raise self.garbled(error) from error
+            alarm = self._again(self.garbled(error), self._alarm_once)
         return alarm[0] if alarm else 0
 
     def explain(self, number: int) -> tuple[str, str]:
@@ -146,9 +216,13 @@ class Dialogue:
         entry = tables.describe(number)
         if entry is not None:
             return entry.text, entry.hint
-        reply = self.exchange("ERRORMES", str(number))
+        reply = self.request("ERRORMES", str(number))
         text = reply.data.strip() if reply.is_accepted else ""
         return text or "an error unknown to us", "look the number up in the controller's manual"
+
+    def _alarm_once(self) -> tuple[int, str] | None:
+        reply = self.exchange("ERROR")
+        return records.parse_alarm(reply.data) if reply.is_accepted else None
 
     def _drop_stale(self) -> None:
         """Empty the line; after a missed reply wait until it is silent."""

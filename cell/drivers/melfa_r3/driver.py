@@ -4,7 +4,9 @@ How a move goes: the target is put into a variable, the move is started and
 returns at once; after the expected time the run bit is polled until it falls;
 then the alarm and the position are checked, because a move that an operator
 stopped ends without an error. Every wait has a deadline, and every failure
-stops the arm before it is reported.
+stops the arm before it is reported. When the answer to a start is lost, state
+and place tell whether the arm has started; only an arm that stands where it stood
+is told a second time.
 """
 
 from __future__ import annotations
@@ -16,12 +18,12 @@ from cell.clock import Clock
 from cell.devices.arm import ArmState, Interpolation
 from cell.drivers.melfa_r3 import records
 from cell.drivers.melfa_r3.codec import GarbledMessage
-from cell.drivers.melfa_r3.dialogue import Dialogue
+from cell.drivers.melfa_r3.dialogue import LOST, Dialogue, OnRepeat, told
 from cell.drivers.melfa_r3.panel import ControlPanel
 from cell.drivers.melfa_r3.settings import ArmSettings
 from cell.drivers.melfa_r3.statements import SetFigure, print_joints, print_position
-from cell.drivers.melfa_r3.tables import Run, Stop
-from cell.errors import CellError, DeviceError, DeviceTimeout
+from cell.drivers.melfa_r3.tables import BUSY, Run, Stop
+from cell.errors import CellError, DeviceError, DeviceTimeout, MotionInterrupted
 from cell.geometry import JointPositions, Pose
 from cell.links.base import Link
 
@@ -31,12 +33,17 @@ _RUNNING = int(Run.RUNNING)
 _SERVO_ON = int(Run.SERVO_ON)
 _TEACH = int(Run.TEACH)
 _EMERGENCY = int(Stop.EMERGENCY)
+_ENABLED = int(Run.OPERATION_ENABLED)
 
 _INTERRUPTED_HINT = "see whether somebody pressed a stop; check the path is free, then start again"
 
 
 def _log_warning(text: str) -> None:
     _log.warning("%s", text)
+
+
+def _log_repeat(device: str, problem: str) -> None:
+    _log.warning("%s: asked again: %s", device, problem)
 
 
 class MelfaArm:
@@ -53,12 +60,14 @@ class MelfaArm:
         settings: ArmSettings,
         *,
         on_warning: Callable[[str], None] = _log_warning,
+        on_repeat: OnRepeat = _log_repeat,
     ) -> None:
         self._clock = clock
         self._settings = settings
-        self._dialogue = Dialogue(link, clock, settings)
+        self._dialogue = Dialogue(link, clock, settings, on_repeat)
         self._on_warning = on_warning
         self._is_open = False
+        self._stood: Pose | JointPositions | None = None
         self.panel = ControlPanel(self._dialogue)
 
     def open(self) -> str:
@@ -139,16 +148,17 @@ class MelfaArm:
         """
         dialogue = self._dialogue
         dialogue.ask_when_free("EXECP1=", print_position(pose, (posture, turns)))
-        dialogue.ask_when_free("EXECMVS P1" if interpolation == "linear" else "EXECMOV P1")
+        self._start("EXECMVS P1" if interpolation == "linear" else "EXECMOV P1", pose)
         if expected_s > 0:
             self._clock.sleep(expected_s + self._settings.ramp_s)
             if self._stands_at(pose):
+                self._stood = pose
                 return
         self._await_end(expected_s, pose)
         here = self.read_pose()
         away_mm = _away_mm(here, pose)
         if away_mm > self._settings.arrival_mm:
-            raise DeviceError(
+            raise MotionInterrupted(
                 dialogue.device,
                 f"the move to {pose} ended at {here}, {away_mm:.1f} mm away, without an alarm",
                 hint=_INTERRUPTED_HINT,
@@ -159,14 +169,51 @@ class MelfaArm:
 
         One question tells both, so a move that ends when expected costs no other.
         """
-        reply = self._dialogue.exchange("PPOSF")
+        reply = self._dialogue.request("PPOSF")
         if not reply.is_accepted or reply.has_alarm:
             return False
         try:
             here = records.pose_of(records.parse_axes(reply.data))
         except GarbledMessage as error:
-            raise self._dialogue.garbled(error) from error
+            self._dialogue.on_repeat(self._dialogue.device, error.problem)
+            return False
         return _away_mm(here, pose) <= self._settings.arrival_mm
+
+    def _start(self, command: str, target: Pose | JointPositions) -> None:
+        """Start a move; when the answer is lost, find out first whether it has started.
+
+        Raises:
+            DeviceError: The controller refuses, or nobody knows where the arm stood.
+            DeviceTimeout: It is busy for too long, or silent.
+        """
+        stood, self._stood = self._stood, None
+        try:
+            self._dialogue.ask_when_free(command)
+        except LOST as error:
+            if stood is None or (isinstance(error, DeviceTimeout) and error.code == BUSY):
+                raise
+            is_waiting = self._still_waits(stood, target)
+            self._dialogue.on_repeat(
+                self._dialogue.device,
+                f"{told(error)}; the arm {'has not moved' if is_waiting else 'has started'}",
+            )
+            if is_waiting:
+                self._dialogue.ask_when_free(command)
+
+    def _still_waits(self, stood: Pose | JointPositions, target: Pose | JointPositions) -> bool:
+        """Return whether the arm stands where it stood, and that is not where it is to go."""
+        state = self._sure_state()
+        if state.run & _RUNNING or state.error:
+            return False
+        return self._is_at(stood) and not self._is_at(target)
+
+    def _is_at(self, place: Pose | JointPositions) -> bool:
+        if isinstance(place, Pose):
+            return _away_mm(self.read_pose(), place) <= self._settings.arrival_mm
+        here = self.read_joints().values
+        return max(abs(a - b) for a, b in zip(here, place.values, strict=True)) <= (
+            self._settings.arrival_deg
+        )
 
     def move_joints(self, joints: JointPositions, *, expected_s: float = 0.0) -> None:
         """Move every joint to its angle and return when all are there.
@@ -177,11 +224,12 @@ class MelfaArm:
             DeviceTimeout: The move does not end in time; the arm was stopped.
         """
         self._dialogue.ask_when_free("EXECJ1=", print_joints(joints))
-        self._dialogue.ask_when_free("EXECMOV J1")
+        self._start("EXECMOV J1", joints)
         if expected_s > 0:
             self._clock.sleep(expected_s + self._settings.ramp_s)
         self._await_end(expected_s, joints)
         self._require_joints(joints)
+        self._stood = joints
 
     def move_to_safe_position(self, *, expected_s: float = 0.0) -> None:
         """Move to the controller's own safe position (parameter JSAFE).
@@ -197,19 +245,15 @@ class MelfaArm:
 
     def read_pose(self) -> Pose:
         """Return where the tool point is."""
-        report = self.panel.axes("PPOSF")
-        try:
-            return records.pose_of(report)
-        except GarbledMessage as error:
-            raise self._dialogue.garbled(error) from error
+        pose = self._dialogue.read(_pose, "PPOSF")
+        self._stood = pose
+        return pose
 
     def read_joints(self) -> JointPositions:
         """Return the joint angles."""
-        report = self.panel.axes("JPOSF")
-        try:
-            return records.joints_of(report)
-        except GarbledMessage as error:
-            raise self._dialogue.garbled(error) from error
+        joints = self._dialogue.read(_joints, "JPOSF")
+        self._stood = joints
+        return joints
 
     def read_state(self) -> ArmState:
         """Return the controller's state; a number of an alarm comes with its text."""
@@ -223,6 +267,7 @@ class MelfaArm:
             alarm=alarm,
             alarm_text=self.panel.alarm_text(alarm) if alarm else "",
             override_percent=state.override_percent,
+            has_right=bool(state.run & _ENABLED),
         )
 
     def stop(self) -> None:
@@ -279,7 +324,7 @@ class MelfaArm:
 
     def _take_right(self) -> None:
         for _ in range(self._settings.control_tries):
-            reply = self._dialogue.exchange("CNTLON")
+            reply = self._dialogue.request("CNTLON")
             if reply.is_accepted:
                 return
             self._clock.sleep(self._settings.control_pause_s)
@@ -316,7 +361,7 @@ class MelfaArm:
         clock = self._clock
         deadline_s = clock.now_s() + self._settings.move_timeout_s
         while True:
-            state = self.panel.short_state()
+            state = self._sure_state()
             if state.error:
                 self.stop()
                 text, hint = self._dialogue.explain(state.error)
@@ -338,13 +383,25 @@ class MelfaArm:
                 )
             clock.sleep(self._settings.poll_s)
 
+    def _sure_state(self) -> records.ShortState:
+        """Return the state; an alarm in it is asked for twice, for a bit may have turned over."""
+        state = self.panel.short_state()
+        if state.error:
+            again = self.panel.short_state()
+            if again.error != state.error:
+                self._dialogue.on_repeat(
+                    self._dialogue.device, f"alarm {state.error} was told once and not again"
+                )
+            state = again
+        return state
+
     def _require_joints(self, joints: JointPositions) -> None:
         here = self.read_joints()
         for number, (is_deg, want_deg) in enumerate(
             zip(here.values, joints.values, strict=True), 1
         ):
             if abs(is_deg - want_deg) > self._settings.arrival_deg:
-                raise DeviceError(
+                raise MotionInterrupted(
                     self._dialogue.device,
                     f"the move ended with J{number} at {is_deg:.2f} deg instead of "
                     f"{want_deg:.2f} deg, without an alarm",
@@ -365,6 +422,14 @@ class MelfaArm:
             except CellError as error:
                 failure = failure or error
         return failure
+
+
+def _pose(data: str) -> Pose:
+    return records.pose_of(records.parse_axes(data))
+
+
+def _joints(data: str) -> JointPositions:
+    return records.joints_of(records.parse_axes(data))
 
 
 def _away_mm(here: Pose, there: Pose) -> float:

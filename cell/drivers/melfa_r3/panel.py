@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from cell.drivers.melfa_r3 import records
-from cell.drivers.melfa_r3.codec import GarbledMessage
 from cell.drivers.melfa_r3.dialogue import Dialogue
 from cell.drivers.melfa_r3.statements import (
     SelectTool,
@@ -199,8 +198,4 @@ class ControlPanel:
         return self._read(records.parse_axes, command, args)
 
     def _read(self, parse: Callable[[str], Record], command: str, args: str = "") -> Record:
-        data = self._dialogue.ask(command, args)
-        try:
-            return parse(data)
-        except GarbledMessage as error:
-            raise self._dialogue.garbled(error) from error
+        return self._dialogue.read(parse, command, args)

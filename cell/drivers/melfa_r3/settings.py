@@ -20,6 +20,9 @@ class ArmSettings:
         linear_speed_mm_s: Speed of straight moves when the arm opens.
         joint_speed_percent: Share of full speed of joint moves when the arm opens.
         reply_timeout_s: Longest wait for a reply.
+        attempts: How often a request that may be repeated is sent before it counts as failed.
+        link_pause_s: Pause before a request is sent again over a link that broke; each
+            further one is twice as long.
         quiet_s: After a reply was missed, the line must be silent this long.
         control_tries: How often the operation right is asked for.
         control_pause_s: Pause between two such requests.
@@ -42,6 +45,8 @@ class ArmSettings:
     linear_speed_mm_s: float
     joint_speed_percent: float
     reply_timeout_s: float = 2.0
+    attempts: int = 3
+    link_pause_s: float = 0.25
     quiet_s: float = 0.1
     control_tries: int = 5
     control_pause_s: float = 0.05

@@ -13,7 +13,17 @@ from collections.abc import Callable
 
 from cell.clock import Clock
 from cell.drivers.schunk_smp.command_codec import command_byte, encode_command
-from cell.drivers.schunk_smp.commands import CommandRecord
+from cell.drivers.schunk_smp.commands import (
+    CommandRecord,
+    MoveCurrent,
+    MoveGrip,
+    MovePosition,
+    MovePositionTimed,
+    MoveVelocity,
+    Reboot,
+    Reference,
+    ToggleImpulses,
+)
 from cell.drivers.schunk_smp.errors import MalformedMessage
 from cell.drivers.schunk_smp.framing import FROM_MODULE, DamagedFrame, FrameReader, Received
 from cell.drivers.schunk_smp.replies import (
@@ -25,13 +35,31 @@ from cell.drivers.schunk_smp.replies import (
 )
 from cell.drivers.schunk_smp.reply_codec import answered_command, decode_reply
 from cell.drivers.schunk_smp.tables import Code, Command, problem_of
-from cell.errors import DeviceError, DeviceTimeout
+from cell.errors import DeviceError, DeviceTimeout, LinkError
 from cell.links.base import Link
 from cell.stop import StopToken
 
 _LOGGER = logging.getLogger(__name__)
 _SLICE_S = 0.1
 _FRAME_GAP_S = 0.05
+LINK_PAUSE_S = 0.25
+"""Pause before a request is sent again over a link that broke."""
+
+_ONCE = (
+    MovePosition,
+    MovePositionTimed,
+    MoveCurrent,
+    MoveVelocity,
+    MoveGrip,
+    Reference,
+    ToggleImpulses,
+    Reboot,
+)
+"""What starts a motion or turns something over: never sent again blindly."""
+
+OnRepeat = Callable[[str, str], None]
+"""Told the device and what was wrong, whenever a request is sent again."""
+
 _TRANSMISSION_FAULTS = frozenset({int(Code.CHECKSUM), int(Code.COMMUNICATION)})
 
 
@@ -43,8 +71,9 @@ class Conversation:
         clock: What deadlines are measured with.
         device: Name of the device in messages.
         module: Id of the module.
-        attempts: How often a request is sent before its silence counts.
+        attempts: How often a request that may be repeated is sent before its silence counts.
         token: Asked, if given, whether to go on waiting for impulses.
+        on_repeat: Told whenever a request is sent again; a line in the log unless given.
     """
 
     def __init__(
@@ -54,14 +83,16 @@ class Conversation:
         *,
         device: str,
         module: int,
-        attempts: int = 2,
+        attempts: int = 3,
         token: StopToken | None = None,
+        on_repeat: OnRepeat | None = None,
     ) -> None:
         self._link = link
         self._clock = clock
         self._device = device
         self._module = module
         self._attempts = attempts
+        self._on_repeat = on_repeat or _log_repeat
         self._token = token
         self._reader = FrameReader(FROM_MODULE, module=module)
         self._silence_s = 0.0
@@ -76,9 +107,10 @@ class Conversation:
         Args:
             command: What to ask.
             timeout_s: How long one answer may take.
-            attempts: How often to ask; by default as often as the conversation
-                was told. A request that the module calls damaged was not carried out
-                and may always be repeated.
+            attempts: How often to ask; by default once what starts a motion or turns
+                something over, and as often as the conversation was told what does not. A
+                request that the module calls damaged was not carried out and may always
+                be repeated.
 
         Raises:
             DeviceError: The module refuses; the text and the advice are the table's.
@@ -86,26 +118,37 @@ class Conversation:
         """
         data = encode_command(self._module, command)
         code = command_byte(command)
-        refusal: Refused | None = None
+        tries = attempts or self._attempts
+        is_once = attempts is None and isinstance(command, _ONCE)
+        for tried in range(1, tries):
+            try:
+                return self._ask_once(data, code, timeout_s)
+            except (DeviceError, LinkError) as error:
+                if not _may_repeat(error, is_once=is_once):
+                    raise
+                self._on_repeat(self._device, told(error))
+                if isinstance(error, LinkError):
+                    self._clock.sleep(LINK_PAUSE_S * tried)
+        return self._ask_once(data, code, timeout_s)
+
+    def _ask_once(self, data: bytes, code: int, timeout_s: float) -> Answer:
         self._drain()
-        for _ in range(attempts or self._attempts):
-            self._link.write(data)
-            answer = self._await_answer(code, timeout_s)
-            if answer is None:
-                continue
-            if not isinstance(answer, Refused):
-                return answer
-            refusal = answer
-            if refusal.code not in _TRANSMISSION_FAULTS:
-                break
+        self._link.write(data)
+        answer = self._await_answer(code, timeout_s)
+        if answer is None or isinstance(answer, Refused):
+            raise self._trouble(code, answer, timeout_s)
+        return answer
+
+    def _trouble(self, code: int, refusal: Refused | None, timeout_s: float) -> DeviceError:
+        """Return the error of a refusal, or of no answer."""
         if refusal is None:
-            raise DeviceTimeout(
+            return DeviceTimeout(
                 self._device,
                 f"no answer to {_name(code)} within {timeout_s:g} s",
                 hint="is the gripper's power output on?",
             )
         problem = problem_of(refusal.code)
-        raise DeviceError(
+        return DeviceError(
             self._device,
             f"refused {_name(code)}: {problem.text}",
             code=refusal.code,
@@ -199,6 +242,21 @@ class Conversation:
                 self._heard.append(decode_reply(frame))
             except MalformedMessage as error:
                 _LOGGER.debug("%s: %s", self._device, error)
+
+
+def told(error: DeviceError | LinkError) -> str:
+    """Return what an error says, without the name of the device."""
+    return error.problem if isinstance(error, DeviceError) else str(error)
+
+
+def _may_repeat(error: DeviceError | LinkError, *, is_once: bool) -> bool:
+    if isinstance(error, DeviceTimeout | LinkError):
+        return not is_once
+    return error.code in _TRANSMISSION_FAULTS
+
+
+def _log_repeat(device: str, problem: str) -> None:
+    _LOGGER.warning("%s: asked again: %s", device, problem)
 
 
 def _name(code: int) -> str:

@@ -3,7 +3,8 @@
 A motion is accepted at once and ends with an impulse: "position reached" or
 "move blocked". Impulses may get lost or may come late from an earlier motion,
 so each one is held against the module's state, and when none comes the state is
-asked for.
+asked for. When the answer to a start is lost, the state tells whether the fingers have
+started; only fingers that stand are told a second time.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from cell.clock import Clock
 from cell.devices.gripper import GripperState, GripResult
 from cell.drivers.schunk_smp.commands import (
     Acknowledge,
-    CommandRecord,
     EmergencyStop,
     MoveGrip,
     MovePosition,
@@ -23,10 +23,11 @@ from cell.drivers.schunk_smp.commands import (
     SetTarget,
     Stop,
 )
-from cell.drivers.schunk_smp.conversation import Conversation
+from cell.drivers.schunk_smp.conversation import LINK_PAUSE_S, Conversation, OnRepeat, told
 from cell.drivers.schunk_smp.replies import (
     Answer,
     ErrorReport,
+    Impulse,
     MoveAccepted,
     MoveBlocked,
     PositionReached,
@@ -41,7 +42,7 @@ from cell.drivers.schunk_smp.tables import (
     Status,
     problem_of,
 )
-from cell.errors import DeviceError, DeviceTimeout, Stopped
+from cell.errors import DeviceError, DeviceTimeout, LinkError, Stopped
 from cell.links.base import Link
 from cell.stop import StopToken
 
@@ -53,6 +54,10 @@ def _log_warning(text: str) -> None:
     _LOGGER.warning("%s", text)
 
 
+def _log_repeat(device: str, problem: str) -> None:
+    _LOGGER.warning("%s: asked again: %s", device, problem)
+
+
 class SchunkGripper:
     """A `Gripper` that speaks the SCHUNK Motion Protocol.
 
@@ -62,6 +67,7 @@ class SchunkGripper:
         settings: Figures of the cell and patience.
         token: Asked, if given, during every motion; a stop ends it.
         on_warning: Told what a technician should know although nothing failed.
+        on_repeat: Told the device and what was wrong, whenever a request is sent again.
     """
 
     def __init__(
@@ -72,6 +78,7 @@ class SchunkGripper:
         *,
         token: StopToken | None = None,
         on_warning: Callable[[str], None] = _log_warning,
+        on_repeat: OnRepeat = _log_repeat,
     ) -> None:
         self._clock = clock
         self._settings = settings
@@ -82,7 +89,9 @@ class SchunkGripper:
             module=settings.module_id,
             attempts=settings.attempts,
             token=token,
+            on_repeat=on_repeat,
         )
+        self._on_repeat = on_repeat
         self._module = ModuleRequests(self._conversation, settings)
         self._on_warning = on_warning
         self._identity = ""
@@ -91,11 +100,15 @@ class SchunkGripper:
         self._highest_mm = settings.stroke_mm
         self._max_current_a = 0.0
 
-    def open(self) -> str:
+    def open(self, *, may_move: bool = True) -> str:
         """Make the module ready to move: errors cleared, impulses on, referenced.
 
         Opening again is harmless. Referencing moves the fingers over their whole
         stroke.
+
+        Args:
+            may_move: Whether to reference a module that does not know its zero; one that
+                is not referenced here refuses to move until `reference`.
 
         Returns:
             The module's identity.
@@ -120,7 +133,7 @@ class SchunkGripper:
         settings = self._settings
         self._module.ask(SetTarget(Command.SET_TARGET_VELOCITY, settings.speed_mm_s))
         self._module.ask(SetTarget(Command.SET_TARGET_ACCELERATION, settings.acceleration_mm_s2))
-        if not self._module.state().status & Status.REFERENCED:
+        if may_move and not self._module.state().status & Status.REFERENCED:
             self.reference()
         self._identity = identity
         return identity
@@ -266,10 +279,35 @@ class SchunkGripper:
         self._highest_mm = min(self._settings.stroke_mm, module.register(Register.SOFT_LIMIT_HIGH))
         self._max_current_a = module.register(Register.MAX_CURRENT)
 
-    def _start(self, command: CommandRecord) -> Answer:
-        """Send the start of a motion; what was said before belongs to earlier ones."""
-        self._conversation.forget_impulses()
-        return self._module.ask(command)
+    def _start(self, command: MovePosition | MoveGrip | Reference) -> Answer | None:
+        """Send the start of a motion; what was said before belongs to earlier ones.
+
+        Returns:
+            The answer, or None when it was lost but the fingers have started.
+        """
+        try:
+            self._conversation.forget_impulses()
+            return self._module.ask(command)
+        except (DeviceTimeout, LinkError) as error:
+            has_begun = self._has_begun(command, self._module.state())
+            self._on_repeat(
+                self._settings.device,
+                f"{told(error)}; the fingers {'have started' if has_begun else 'stand still'}",
+            )
+        return None if has_begun else self._module.ask(command)
+
+    def _has_begun(self, command: MovePosition | MoveGrip | Reference, state: StateReply) -> bool:
+        """Return whether a start was heard: the fingers move, or are where it leads."""
+        if state.status & Status.MOVING or state.error:
+            return True
+        match command:
+            case MovePosition(position_mm=target_mm):
+                return abs(_position(state) - target_mm) <= self._settings.tolerance_mm
+            case MoveGrip():
+                # The brake is open only while the motor pushes against something.
+                return not state.status & Status.BRAKE
+            case Reference():
+                return bool(state.status & Status.REFERENCED)
 
     def _await_end(
         self,
@@ -292,7 +330,7 @@ class SchunkGripper:
         wait_s = self._settings.margin_s if quiet_s is None else quiet_s
         try:
             while True:
-                impulse = self._conversation.next_impulse(min(wait_s, timeout_s))
+                impulse = self._next_impulse(min(wait_s, timeout_s))
                 if isinstance(impulse, ErrorReport):
                     raise self._module.error(
                         f"{what} failed: {problem_of(impulse.code).text}", impulse.code
@@ -313,6 +351,15 @@ class SchunkGripper:
             f"{what} did not end within {timeout_s:.1f} s; stopped",
             hint="look for something that holds the fingers",
         )
+
+    def _next_impulse(self, timeout_s: float) -> Impulse | None:
+        """Return what the module says next; over a broken link that is nothing."""
+        try:
+            return self._conversation.next_impulse(timeout_s)
+        except LinkError as error:
+            self._on_repeat(self._settings.device, str(error))
+            self._clock.sleep(LINK_PAUSE_S)
+            return None
 
     def _await_standstill(self, timeout_s: float) -> StateReply:
         deadline_s = self._clock.now_s() + timeout_s

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TypeVar
 
 from cell.clock import Clock
@@ -30,6 +31,7 @@ from cell.drivers.schunk_smp.tables import (
 )
 from cell.errors import DeviceError, DeviceTimeout
 
+_TOGGLES = 4
 _ASK_STATE = GetState(0.0, StateMode.ALL)
 _AnswerT = TypeVar("_AnswerT", bound=Answer)
 
@@ -116,9 +118,15 @@ class ModuleRequests:
         Raises:
             DeviceError: They stay off.
         """
-        for _ in range(2):
-            if self._ask_for(ToggleImpulses(), ImpulsesSwitched).are_on:
-                return
+        told_off = 0
+        for _ in range(_TOGGLES):
+            # A lost answer tells nothing, but the next one tells how it is then.
+            with suppress(DeviceTimeout):
+                if self._ask_for(ToggleImpulses(), ImpulsesSwitched).are_on:
+                    return
+                told_off += 1
+            if told_off == 2:
+                break
         raise self.error("its spontaneous messages cannot be switched on", None)
 
     def error(self, problem: str, code: int | None) -> DeviceError:

@@ -19,7 +19,7 @@ class SchunkSettings:
         acceleration_mm_s2: Acceleration of moves.
         closing_sign: Sign of the motor current that closes the fingers (assumed
             negative for the PG-70, as it is on the EVG 55).
-        attempts: How often a request is sent before its silence counts.
+        attempts: How often a request that may be repeated is sent before its silence counts.
         reply_timeout_s: How long one answer may take.
         boot_timeout_s: How long a module just switched on may stay silent.
         reference_timeout_s: How long referencing may take.
@@ -39,7 +39,7 @@ class SchunkSettings:
     speed_mm_s: float = 60.0
     acceleration_mm_s2: float = 200.0
     closing_sign: float = -1.0
-    attempts: int = 2
+    attempts: int = 3
     reply_timeout_s: float = 0.5
     boot_timeout_s: float = 5.0
     reference_timeout_s: float = 30.0

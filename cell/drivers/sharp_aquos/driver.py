@@ -33,16 +33,26 @@ from cell.drivers.sharp_aquos.tables import (
     Permission,
     Word,
 )
-from cell.errors import DeviceError, DeviceTimeout
+from cell.errors import DeviceError, DeviceTimeout, LinkError
 from cell.links.base import Link
 
 _LOGGER = logging.getLogger(__name__)
 _SLICE_S = 0.1
+_LINK_PAUSE_S = 0.25
+_MAX_STALE_READS = 64
 _UNPROVEN = "this driver was never tried on this model; watch what the set does"
+
+
+OnRepeat = Callable[[str, str], None]
+"""Told the device and what was wrong, whenever a command is sent again."""
 
 
 def _log_warning(text: str) -> None:
     _LOGGER.warning("%s", text)
+
+
+def _log_repeat(device: str, problem: str) -> None:
+    _LOGGER.warning("%s: asked again: %s", device, problem)
 
 
 class SharpDisplay:
@@ -53,6 +63,7 @@ class SharpDisplay:
         clock: What deadlines are measured with.
         settings: The model's figures.
         on_warning: Told what a technician should know although nothing failed.
+        on_repeat: Told the device and what was wrong, whenever a command is sent again.
     """
 
     def __init__(
@@ -62,6 +73,7 @@ class SharpDisplay:
         settings: SharpSettings,
         *,
         on_warning: Callable[[str], None] = _log_warning,
+        on_repeat: OnRepeat = _log_repeat,
     ) -> None:
         self._link = link
         self._clock = clock
@@ -69,6 +81,8 @@ class SharpDisplay:
         self._reader = LineReader()
         self._heard: deque[ReplyRecord] = deque()
         self._on_warning = on_warning
+        self._on_repeat = on_repeat
+        self._missed_answer = False
         self._identity = ""
 
     def open(self) -> str:
@@ -139,7 +153,11 @@ class SharpDisplay:
         self._do(Set(Word.INPUT, number))
 
     def selected_input(self) -> int:
-        """Return the number of the input that is shown."""
+        """Return the number of the input that is shown.
+
+        Raises:
+            DeviceError: The set shows its tuner, which has no number, or does not answer.
+        """
         return self._ask_number(Word.INPUT)
 
     def next_input(self) -> None:
@@ -278,14 +296,26 @@ class SharpDisplay:
         timeout_s = settings.power_timeout_s if is_power else settings.reply_timeout_s
         data = encode_command(command, settings.padding)
         is_repeatable = not (isinstance(command, Set) and _does_more_twice(command))
-        for _ in range(settings.attempts if is_repeatable else 1):
-            self._drop_late_answers()
-            self._link.write(data)
-            answer = self._await_answer(command, timeout_s)
-            if answer is not None:
-                return answer
+        tries = settings.attempts if is_repeatable else 1
+        for tried in range(1, tries):
+            try:
+                return self._exchange_once(command, data, timeout_s)
+            except DeviceTimeout as error:
+                self._on_repeat(settings.device, error.problem)
+            except LinkError as error:
+                self._on_repeat(settings.device, str(error))
+                self._clock.sleep(_LINK_PAUSE_S * tried)
+        return self._exchange_once(command, data, timeout_s)
+
+    def _exchange_once(self, command: CommandRecord, data: bytes, timeout_s: float) -> ReplyRecord:
+        self._drop_late_answers()
+        self._link.write(data)
+        answer = self._await_answer(command, timeout_s)
+        if answer is not None:
+            return answer
+        self._missed_answer = True
         raise DeviceTimeout(
-            settings.device,
+            self._settings.device,
             f"no answer to {data.decode('ascii').strip()!r} within {timeout_s:g} s",
             hint="is the set plugged in, and was it switched on by hand once?",
         )
@@ -311,7 +341,15 @@ class SharpDisplay:
                 remaining_s = min(remaining_s - slice_s, deadline_s - self._clock.now_s())
 
     def _drop_late_answers(self) -> None:
-        self._link.read(0.0)
+        """Empty the line; after a missed answer wait until it is silent.
+
+        Answers do not say what they answer: a late one would be taken for the next one's.
+        """
+        wait_s = self._settings.quiet_s if self._missed_answer else 0.0
+        for _ in range(_MAX_STALE_READS):
+            if not self._link.read(wait_s) or not wait_s:
+                break
+        self._missed_answer = False
         self._reader.clear()
         self._heard.clear()
 

@@ -18,6 +18,7 @@ class SharpSettings:
         inputs: Names of the inputs by number.
         padding: How numbers fill the four characters of a parameter.
         attempts: How often a command is sent before silence counts.
+        quiet_s: After a missed answer, the line must be silent this long.
         reply_timeout_s: How long an answer may take.
         power_timeout_s: How long the answer to a power command may take.
         ready_timeout_s: How long after power on until inputs are accepted.
@@ -29,7 +30,8 @@ class SharpSettings:
     device: str = "display"
     inputs: InputMap = field(default_factory=lambda: HDMI_FIRST)
     padding: Padding = "spaces"
-    attempts: int = 2
+    attempts: int = 3
+    quiet_s: float = 0.2
     reply_timeout_s: float = 1.0
     power_timeout_s: float = 3.0
     ready_timeout_s: float = 30.0

@@ -64,11 +64,18 @@ class ArmRig:
         self.controller = MelfaController(self.body, KINEMATICS, controller_settings)
         self.traffic: list[tuple[Direction, bytes]] = []
         self.warnings: list[str] = []
+        self.repeats: list[tuple[str, str]] = []
         self.link = MemoryLink("arm", self.controller, self.clock)
         captured = CapturedLink(
             self.link, lambda link, direction, data: self.traffic.append((direction, data))
         )
-        self.arm = MelfaArm(captured, self.clock, arm_settings, on_warning=self.warnings.append)
+        self.arm = MelfaArm(
+            captured,
+            self.clock,
+            arm_settings,
+            on_warning=self.warnings.append,
+            on_repeat=lambda device, problem: self.repeats.append((device, problem)),
+        )
 
     @property
     def requests(self) -> list[str]:

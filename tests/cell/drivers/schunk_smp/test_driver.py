@@ -12,6 +12,7 @@ from cell.drivers.schunk_smp.commands import (
 from cell.drivers.schunk_smp.conversation import Conversation
 from cell.drivers.schunk_smp.framing import Frame, encode_frame
 from cell.drivers.schunk_smp.replies import (
+    Accepted,
     ErrorReport,
     ImpulsesSwitched,
     Info,
@@ -447,3 +448,49 @@ def test_impulses_that_stay_off_are_told() -> None:
     conversation = Conversation(link, SimulatedClock(), device="gripper", module=12)
     with pytest.raises(DeviceError, match="cannot be switched on"):
         ModuleRequests(conversation, SchunkSettings()).switch_impulses_on()
+
+
+def test_a_grip_whose_answer_is_lost_is_not_started_twice() -> None:
+    bench = GripperBench().opened()
+    bench.body.width_mm = 33.0
+    bench.wire.lost = said(Accepted(Command.MOVE_GRIP))
+    assert bench.gripper.grip(1.0).is_holding
+    assert bench.commands().count(Command.MOVE_GRIP) == 1
+
+
+def test_a_move_whose_answer_is_damaged_is_not_started_twice() -> None:
+    bench = GripperBench().opened()
+    bench.module.corrupt_next_reply()
+    bench.gripper.move_to(60.0)
+    assert bench.commands().count(Command.MOVE_POSITION) == 1
+    assert bench.body.opening_mm(bench.clock.now_s()) == 60.0
+
+
+def test_a_move_that_was_never_heard_is_sent_again_once_the_fingers_are_known_to_stand() -> None:
+    bench = GripperBench().opened()
+    write = bench.wire.write
+    deaf: list[bytes] = []
+
+    def deaf_once(data: bytes) -> None:
+        if data[3] == Command.MOVE_POSITION and not deaf:
+            deaf.append(data)
+            return
+        write(data)
+
+    bench.wire.write = deaf_once  # type: ignore[method-assign]
+    bench.gripper.move_to(60.0)
+    assert deaf
+    assert bench.commands() == [
+        Command.GET_STATE,
+        Command.MOVE_POSITION,
+        Command.GET_STATE,
+    ]
+    assert bench.body.opening_mm(bench.clock.now_s()) == 60.0
+
+
+def test_impulses_are_on_though_the_answer_to_switching_them_was_lost() -> None:
+    bench = GripperBench()
+    bench.module.corrupt_next_reply(3)
+    bench.gripper.open()
+    bench.gripper.move_to(60.0)
+    assert bench.body.opening_mm(bench.clock.now_s()) == 60.0
