@@ -86,14 +86,9 @@ class SerialLink:
         """
         self._require_open()
         try:
-            if self._fd >= 0:
-                try:
-                    data = data[os.write(self._fd, data) :]
-                except BlockingIOError:
-                    pass  # Its buffer is full; pyserial waits for room.
-                if not data:
-                    return
-            self.port.write(data)
+            rest = data if self._fd < 0 else self._write_at_once(data)
+            if rest:
+                self.port.write(rest)
         except serial.SerialTimeoutException as error:
             raise WriteStuck(self._name, self._place, self._write_timeout_s) from error
         except OSError as error:
@@ -116,6 +111,13 @@ class SerialLink:
         """Let the port go; closing twice is harmless."""
         self._is_open = False
         self.port.close()
+
+    def _write_at_once(self, data: bytes) -> bytes:
+        """Write what there is room for, without waiting; return the rest."""
+        try:
+            return data[os.write(self._fd, data) :]
+        except BlockingIOError:
+            return data
 
     def _read_polled(self, timeout_s: float) -> bytes:
         # Rounded up: a wait that ends before its time would spin.

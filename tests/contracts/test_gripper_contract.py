@@ -1,9 +1,9 @@
-"""What every gripper does, whatever is behind its link: the emulator, or a capture of it."""
+"""What every gripper does, in every way in which a driver can have it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -13,88 +13,67 @@ from cell.drivers.schunk_smp.driver import SchunkGripper
 from cell.drivers.schunk_smp.settings import SchunkSettings
 from cell.drivers.schunk_smp.tables import Code
 from cell.errors import DeviceError, DeviceTimeout
-from cell.links.base import Direction, Link
-from cell.links.capture import CapturedLink
-from cell.links.memory import MemoryLink
-from cell.links.scripted import ScriptedLink
+from cell.links.base import Link
+from cell.profile import load_profile
 from cell.twin.emulators.schunk_smp import SchunkModule, SchunkModuleSettings
 from tests.cell.twin.emulators.schunk_smp.bodies import BareFingers
+from tests.contracts.harness import WAYS, Bench, Kind, player
 
 
 class Rig:
-    """An emulated module, freshly switched on, and every byte that passes."""
+    """An emulated module, freshly switched on, and what is between its fingers."""
 
     def __init__(self) -> None:
         self.clock = SimulatedClock()
         self.body = BareFingers()
-        self.module = SchunkModule(self.body, SchunkModuleSettings())
-        self.traffic: list[tuple[Direction, bytes]] = []
-        wire = MemoryLink("gripper", self.module, self.clock)
-        self.link = CapturedLink(wire, self._note)
-
-    def _note(self, link: str, direction: Direction, data: bytes) -> None:
-        self.traffic.append((direction, data))
+        self.emulator = SchunkModule(self.body, SchunkModuleSettings())
 
 
-@dataclass
-class Bench:
+class GripperBench:
     """A gripper and whoever stands beside it; at a capture there is nobody."""
 
-    gripper: Gripper
-    rig: Rig | None
+    def __init__(self, gripper: Gripper, rig: Rig | None) -> None:
+        self.gripper = gripper
+        self._rig = rig
 
     def put_between_the_fingers(self, width_mm: float | None) -> None:
-        if self.rig is not None:
-            self.rig.body.width_mm = width_mm
+        if self._rig is not None:
+            self._rig.body.width_mm = width_mm
 
     def switch_power(self, *, is_on: bool) -> None:
-        if self.rig is not None:
-            self.rig.body.has_power = is_on
+        if self._rig is not None:
+            self._rig.body.has_power = is_on
 
     def break_it(self, *, is_lasting: bool) -> None:
-        if self.rig is not None:
-            self.rig.module.raise_error(Code.TOW, is_lasting=is_lasting)
+        if self._rig is not None:
+            self._rig.emulator.raise_error(Code.TOW, is_lasting=is_lasting)
 
 
-Scenario = Callable[[Bench], None]
-Play = Callable[[Scenario], object]
-
-
-def _driver(link: Link, clock: Clock) -> SchunkGripper:
+def _driver(link: Link, clock: Clock) -> Gripper:
     return SchunkGripper(link, clock, SchunkSettings(), on_warning=lambda text: None)
 
 
-def _play_in_memory(scenario: Scenario) -> Rig:
-    rig = Rig()
-    scenario(Bench(_driver(rig.link, rig.clock), rig))
-    return rig
+KIND: Kind[Rig, Gripper] = Kind("gripper", load_profile("mash").gripper.serial, Rig, _driver)
+
+Scenario = Callable[[GripperBench], None]
+Play = Callable[[Scenario], None]
 
 
-def _play_from_capture(scenario: Scenario) -> None:
-    clock = SimulatedClock()
-    link = ScriptedLink("gripper", _play_in_memory(scenario).traffic, clock=clock)
-    scenario(Bench(_driver(link, clock), None))
-    assert link.is_exhausted
+@pytest.fixture(params=WAYS)
+def play(request: pytest.FixtureRequest, tmp_path: Path) -> Play:
+    play_on = player(KIND, str(request.param), tmp_path)
 
+    def play(scenario: Scenario) -> None:
+        def on_bench(bench: Bench[Rig, Gripper]) -> None:
+            scenario(GripperBench(bench.device, bench.rig))
 
-def _play_from_capture_on_a_clock_that_stands(scenario: Scenario) -> None:
-    link = ScriptedLink("gripper", _play_in_memory(scenario).traffic)
-    scenario(Bench(_driver(link, SimulatedClock()), None))
-    assert link.is_exhausted
+        play_on(on_bench)
 
-
-@pytest.fixture(params=["memory", "capture", "capture, clock standing"])
-def play(request: pytest.FixtureRequest) -> Play:
-    plays: dict[str, Play] = {
-        "memory": _play_in_memory,
-        "capture": _play_from_capture,
-        "capture, clock standing": _play_from_capture_on_a_clock_that_stands,
-    }
-    return plays[str(request.param)]
+    return play
 
 
 def test_an_opened_gripper_says_who_it_is_and_is_ready(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         assert "PG070" in bench.gripper.open()
         state = bench.gripper.read_state()
         assert state.is_referenced
@@ -106,7 +85,7 @@ def test_an_opened_gripper_says_who_it_is_and_is_ready(play: Play) -> None:
 
 
 def test_opening_twice_and_closing_twice_is_harmless(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         assert bench.gripper.open() == bench.gripper.open()
         bench.gripper.close()
         bench.gripper.close()
@@ -115,7 +94,7 @@ def test_opening_twice_and_closing_twice_is_harmless(play: Play) -> None:
 
 
 def test_a_closed_gripper_can_be_opened_again_and_moves(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.gripper.close()
         bench.gripper.open()
@@ -126,7 +105,7 @@ def test_a_closed_gripper_can_be_opened_again_and_moves(play: Play) -> None:
 
 
 def test_a_move_returns_when_the_fingers_stand_at_the_opening(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         for opening_mm in (60.0, 50.0, 60.0, 60.0, 0.0, 70.0):
             bench.gripper.move_to(opening_mm)
@@ -139,7 +118,7 @@ def test_a_move_returns_when_the_fingers_stand_at_the_opening(play: Play) -> Non
 
 @pytest.mark.parametrize("opening_mm", [-1.0, 71.0])
 def test_an_opening_out_of_reach_is_refused(play: Play, opening_mm: float) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         with pytest.raises(DeviceError, match="out of reach"):
             bench.gripper.move_to(opening_mm)
@@ -149,7 +128,7 @@ def test_an_opening_out_of_reach_is_refused(play: Play, opening_mm: float) -> No
 
 @pytest.mark.parametrize("width_mm", [33.0, 10.0, 55.5])
 def test_closing_on_something_holds_and_measures_it(play: Play, width_mm: float) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.gripper.move_to(60.0)
         bench.put_between_the_fingers(width_mm)
@@ -163,7 +142,7 @@ def test_closing_on_something_holds_and_measures_it(play: Play, width_mm: float)
 
 
 def test_closing_on_nothing_is_told_and_the_gripper_goes_on(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         result = bench.gripper.grip(1.0)
         assert not result.is_holding
@@ -175,7 +154,7 @@ def test_closing_on_nothing_is_told_and_the_gripper_goes_on(play: Play) -> None:
 
 @pytest.mark.parametrize("current_a", [0.0, -1.0, 100.0])
 def test_an_impossible_force_is_refused(play: Play, current_a: float) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         with pytest.raises(DeviceError, match="out of range"):
             bench.gripper.grip(current_a)
@@ -184,7 +163,7 @@ def test_an_impossible_force_is_refused(play: Play, current_a: float) -> None:
 
 
 def test_a_move_into_something_fails_and_the_gripper_goes_on(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.put_between_the_fingers(33.0)
         with pytest.raises(DeviceError, match="33.0 mm"):
@@ -196,7 +175,7 @@ def test_a_move_into_something_fails_and_the_gripper_goes_on(play: Play) -> None
 
 
 def test_stopping_what_stands_is_harmless(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.gripper.stop()
         assert not bench.gripper.wait_for_stop(1.0).is_moving
@@ -205,7 +184,7 @@ def test_stopping_what_stands_is_harmless(play: Play) -> None:
 
 
 def test_waiting_for_a_position_returns_there_or_times_out(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.gripper.move_to(60.0)
         bench.gripper.wait_for_position(60.0, timeout_s=1.0)
@@ -214,7 +193,7 @@ def test_waiting_for_a_position_returns_there_or_times_out(play: Play) -> None:
 
 
 def test_an_error_is_reported_acknowledged_and_gone(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.break_it(is_lasting=False)
         bench.gripper.read_state()
@@ -231,7 +210,7 @@ def test_an_error_is_reported_acknowledged_and_gone(play: Play) -> None:
 
 
 def test_an_error_whose_cause_stays_is_raised_by_acknowledging(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.break_it(is_lasting=True)
         with pytest.raises(DeviceError) as caught:
@@ -242,7 +221,7 @@ def test_an_error_whose_cause_stays_is_raised_by_acknowledging(play: Play) -> No
 
 
 def test_a_gripper_without_power_is_a_time_out_and_comes_back(play: Play) -> None:
-    def scenario(bench: Bench) -> None:
+    def scenario(bench: GripperBench) -> None:
         bench.gripper.open()
         bench.switch_power(is_on=False)
         with pytest.raises(DeviceTimeout, match="power"):
