@@ -1,0 +1,103 @@
+"""What can be wrong with the computer: folders, disk, clock, ports, other programs."""
+
+from __future__ import annotations
+
+from cell.doctor.findings import Cause
+
+_GROUP = "Computer"
+
+COMPUTER: tuple[Cause, ...] = (
+    Cause(
+        id="cell-in-use",
+        title="Another program has the cell",
+        group=_GROUP,
+        rank=2,
+        see="Commands end with the sentence that the cell is in use.",
+        why="A server still runs, perhaps in another terminal or as a service.",
+        fix="stop the process that the finding names",
+        found="The lock of the state folder is held by a living process.",
+        undo="start that program again",
+    ),
+    Cause(
+        id="state-folder-unwritable",
+        title="The state folder cannot be written",
+        group=_GROUP,
+        rank=3,
+        see="Nothing that needs the ledger starts.",
+        why="The folder belongs to another user, is mounted read-only, or a file has its name.",
+        fix="give the folder to the user who runs the cell, or set XDG_STATE_HOME to another one",
+        found="Rights and kind of the folder, or of the first existing folder above it.",
+    ),
+    Cause(
+        id="recordings-unwritable",
+        title="The recordings folder cannot be written",
+        group=_GROUP,
+        rank=6,
+        see="Sessions do not start, or are not recorded.",
+        why="The folder belongs to another user, is mounted read-only, or a file has its name.",
+        fix="give the folder to the user who runs the cell, or set XDG_DATA_HOME to another one",
+        found="Rights and kind of the folder, or of the first existing folder above it.",
+    ),
+    Cause(
+        id="disk-nearly-full",
+        title="The disk is nearly full",
+        group=_GROUP,
+        rank=5,
+        see="Recordings break off; the ledger cannot be written.",
+        why="Recordings of many sessions with pictures have piled up.",
+        fix="move old recordings elsewhere",
+        found="Free bytes of the file systems that hold state and recordings.",
+    ),
+    Cause(
+        id="world-file-broken",
+        title="The twin's kept world cannot be read",
+        group=_GROUP,
+        rank=4,
+        see="Commands on the twin end with a sentence about world.json.",
+        why="The file was edited, or comes from another version.",
+        fix="move world.json out of the state folder; the twin then starts with a clean world",
+        found="The file is read as the twin would read it.",
+        undo="move the file back",
+    ),
+    Cause(
+        id="clock-implausible",
+        title="The computer's clock is wrong",
+        group=_GROUP,
+        rank=7,
+        see="Recordings and reports bear impossible dates.",
+        why="The computer's battery is empty, and no time server is reached.",
+        fix="set the date, and switch time synchronisation on",
+        found="The date lies before this program was made, or far in the future.",
+    ),
+    Cause(
+        id="clock-behind-records",
+        title="The clock is behind the last record",
+        group=_GROUP,
+        rank=8,
+        see="New recordings sort before old ones; calibrations seem to come from tomorrow.",
+        why="The clock was set back, or was ahead when the record was written.",
+        fix="set the date; if the record's date is the wrong one, move that file away",
+        found="The time of the newest file of state and recordings lies after now.",
+    ),
+    Cause(
+        id="clock-jumped",
+        title="The clock jumps",
+        group=_GROUP,
+        rank=8,
+        see="Durations in logs are negative or far too long.",
+        why="Two programs set the clock, or a virtual machine was suspended.",
+        fix="leave setting the clock to one time service",
+        found="Wall clock and steady clock passed differently during the examination.",
+    ),
+    Cause(
+        id="server-port-taken",
+        title="The server's port is taken",
+        group=_GROUP,
+        rank=9,
+        see="`cell serve` ends at once; clients reach another program.",
+        why="Another program listens on the port, often a server that was forgotten.",
+        fix="stop the other program, or choose another server.port",
+        found="Binding the profile's address fails.",
+        undo="put the old port back",
+    ),
+)
