@@ -92,11 +92,11 @@ def test_solving_a_forward_pose_in_its_posture_comes_back(q: tuple[float, ...]) 
     pose = ARM.forward(joints)
     try:
         found = ARM.solve(pose, ARM.posture(joints), joints)
-    except UnreachablePose as error:
+    except UnreachablePose:
         # Only rounding at a border of two postures may turn it down.
-        near_border = abs(abs(q[2]) - 90.0) < 0.01 or math.hypot(pose.x_mm, pose.y_mm) < 0.01
-        assert near_border, error
-        return
+        if abs(abs(q[2]) - 90.0) < 0.01 or math.hypot(pose.x_mm, pose.y_mm) < 0.01:
+            return
+        raise
     again = ARM.forward(found)
     assert _apart_mm(again, pose) < 1e-5
     assert _apart_deg(again, pose) < 0.011
@@ -128,8 +128,9 @@ def test_gripper_down_is_a_180_0_c_pose_at_any_c(
     try:
         joints = ARM.solve(pose, ELBOW_UP)
     except UnreachablePose as error:
-        assert error.what in {"J2", "J3", "J4", "J5", "reach"}
-        return
+        if error.what in {"J2", "J3", "J4", "J5", "reach"}:
+            return
+        raise
     assert sum(joints.values[1:4]) == pytest.approx(90.0)
     assert (joints.values[0] - joints.values[4] - c_deg + 180.0) % 360.0 == pytest.approx(180.0)
 

@@ -1,0 +1,6 @@
+"""Lynxmotion SSC-32 and SSC-32U servo controllers: an arm and fingers of hobby servos.
+
+`commands`, `codec` and `tables` turn bytes into records and back without I/O; `servo_map`
+goes between angles and pulse widths; `dialogue` asks over a link; `driver` is the arm,
+`gripper` the fingers on a sixth servo.
+"""
