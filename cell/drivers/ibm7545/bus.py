@@ -145,18 +145,18 @@ class BridgedBus:
         deadline_s = clock.now_s() + timeout_s
         left_s = timeout_s
         discarded = self._reader.discarded
-        while True:
-            for number, body in self._reader.feed(self._link.read(left_s)):
+        # An empty read has waited as long as it was told to, whatever the clock says.
+        while left_s > 0.0 and (data := self._link.read(left_s)):
+            for number, body in self._reader.feed(data):
                 if number == self._number:
                     return self._decoded(number, body)
             left_s = deadline_s - clock.now_s()
-            if left_s <= 0:
-                raise DeviceTimeout(
-                    self.device,
-                    f"the bridge did not answer within {timeout_s:g} s"
-                    + (" and sent garbage" if self._reader.discarded > discarded else ""),
-                    hint=_UNANSWERED_HINT,
-                )
+        raise DeviceTimeout(
+            self.device,
+            f"the bridge did not answer within {timeout_s:g} s"
+            + (" and sent garbage" if self._reader.discarded > discarded else ""),
+            hint=_UNANSWERED_HINT,
+        )
 
     def _decoded(self, number: int, body: bytes) -> Reply:
         try:
