@@ -130,7 +130,7 @@ class Outbox:
         if tracker.attaches:
             for index, attachment in enumerate(report.attachments):
                 if index >= attached:
-                    tracker.attach(reference, attachment)
+                    tracker.attach(reference, attachment, may_be_known=attempts > 0)
                     self._set(tracker.name, fault, "attached = ?", index + 1)
         self._set(tracker.name, fault, "is_done = 1, problem = ?", "")
 

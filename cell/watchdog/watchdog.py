@@ -82,8 +82,11 @@ class Watchdog:
         """Do what is due, tests and reports; return after how many seconds to come again."""
         clock = self._cell.clock
         if clock.now_s() >= self._next_s:
-            done = self.run_round()
-            self._next_s = clock.now_s() + (self._every_s if done is not None else RETRY_BUSY_S)
+            if self.run_round() is None:
+                self._next_s = clock.now_s() + RETRY_BUSY_S
+            else:
+                # From one due time to the next, so that the hours of the rounds do not drift.
+                self._next_s = max(self._next_s + self._every_s, clock.now_s())
         self._outbox.deliver()
         wait_s = max(self._next_s - clock.now_s(), 0.0)
         due_s = self._outbox.next_due_s()

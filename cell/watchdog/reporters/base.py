@@ -30,5 +30,5 @@ class Reporter(Protocol):
             may_be_known: Whether an earlier attempt may have arrived though its answer did not.
         """
 
-    def attach(self, reference: str, attachment: Attachment) -> None:
-        """Add a file to a report that was handed in."""
+    def attach(self, reference: str, attachment: Attachment, *, may_be_known: bool) -> None:
+        """Add a file to a report that was handed in, unless an earlier attempt did."""

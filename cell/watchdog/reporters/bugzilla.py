@@ -64,13 +64,15 @@ class Bugzilla:
                 return known
         raise self._refusal("the bug", answer)
 
-    def attach(self, reference: str, attachment: Attachment) -> None:
-        """Attach a file to a bug.
+    def attach(self, reference: str, attachment: Attachment, *, may_be_known: bool) -> None:
+        """Attach a file to a bug, unless an earlier attempt did.
 
         Raises:
             ReportUndelivered: Bugzilla is down or refuses.
         """
         self._require_key()
+        if may_be_known and attachment.name in self._attached(reference):
+            return
         answer = self._client.post(
             f"{self._rest}/bug/{reference}/attachment",
             {
@@ -110,6 +112,17 @@ class Bugzilla:
         if answer.status >= 500:
             raise self._refusal("a question", answer)
         return ""
+
+    def _attached(self, reference: str) -> frozenset[str]:
+        """Return the names of the files that a bug has."""
+        answer = self._client.get(
+            f"{self._rest}/bug/{reference}/attachment?exclude_fields=data&api_key={quote(self._key)}"
+        )
+        bugs = answer.fields.get("bugs")
+        files = bugs.get(reference) if isinstance(bugs, dict) else None
+        if answer.status != 200 or not isinstance(files, list):
+            raise self._refusal("a question", answer)
+        return frozenset(str(file.get("file_name")) for file in files if isinstance(file, dict))
 
     def _require_key(self) -> None:
         if not self._key:

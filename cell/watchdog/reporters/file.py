@@ -46,7 +46,7 @@ class ReportFile:
             raise ReportUndelivered(f"{self.name} cannot be written: {error.strerror}") from error
         return report.alias
 
-    def attach(self, reference: str, attachment: Attachment) -> None:
+    def attach(self, reference: str, attachment: Attachment, *, may_be_known: bool) -> None:
         """Write an attachment into the report's folder.
 
         Raises:

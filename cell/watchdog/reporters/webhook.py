@@ -45,5 +45,5 @@ class Webhook:
             )
         return report.alias
 
-    def attach(self, reference: str, attachment: Attachment) -> None:
+    def attach(self, reference: str, attachment: Attachment, *, may_be_known: bool) -> None:
         """Nothing is attached later."""

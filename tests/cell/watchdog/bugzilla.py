@@ -74,6 +74,8 @@ class BugzillaStandIn:
                 return self._file(fields)
             if method == "POST" and len(parts) == 4 and parts[3] == "attachment":
                 return self._attach(parts[2], fields)
+            if len(parts) == 4 and parts[3] == "attachment":
+                return self._files(parts[2])
             return self._get(parts[2])
 
     def _file(self, fields: Mapping[str, object]) -> tuple[int, dict[str, object]]:
@@ -94,6 +96,13 @@ class BugzillaStandIn:
             if str(bug.id) == name:
                 bug.attachments.append(fields)
                 return 201, {"ids": [len(bug.attachments)]}
+        return 404, error(101, "no such bug")
+
+    def _files(self, name: str) -> tuple[int, dict[str, object]]:
+        for bug in self.bugs:
+            if str(bug.id) == name:
+                files = [{"file_name": a["file_name"]} for a in bug.attachments]
+                return 200, {"bugs": {name: files}, "attachments": {}}
         return 404, error(101, "no such bug")
 
     def _get(self, name: str) -> tuple[int, dict[str, object]]:

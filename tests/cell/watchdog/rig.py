@@ -59,6 +59,11 @@ class Rig:
             wait_s = (step or self.watchdog.step)()
             self.clock.sleep(min(wait_s, end_s - self.clock.now_s()))
 
+    def stored_reports(self) -> list[bytes]:
+        with self.history.transaction() as database:
+            rows = database.execute("SELECT report FROM outgoing ORDER BY fault").fetchall()
+        return [bytes(row[0]) for row in rows]
+
     @contextmanager
     def _lend(self) -> Iterator[bool]:
         yield self.is_free
