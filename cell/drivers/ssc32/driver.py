@@ -509,7 +509,7 @@ class Ssc32Arm:
 
     def _unpulsed(self, pulses_us: Sequence[int]) -> str:
         names = [f"J{number}" for number, pulse in enumerate(pulses_us, 1) if not pulse]
-        return f"the controller was (re)started and sends no pulses to {', '.join(names)}"
+        return f"since its power-up the controller has sent no pulses to {', '.join(names)}"
 
     def _require_pulses(self, pulses_us: Sequence[int]) -> None:
         if not all(pulses_us):

@@ -277,7 +277,7 @@ class Ssc32Gripper:
         return pulse_us
 
     def _no_pulse(self) -> str:
-        return "the controller was (re)started and sends the fingers no pulse"
+        return "since its power-up the controller has sent the fingers no pulse"
 
     def _standing_mm(self) -> float:
         return self._adopted_mm(self._require_pulse())
