@@ -26,6 +26,14 @@ from cell.links.errors import (
 from cell.links.ports import missing, port_of
 from cell.profile import SerialProfile
 
+try:
+    import termios
+except ImportError:  # Windows has none, nor its errors.
+    _TERMINAL_ERRORS: tuple[type[Exception], ...] = ()
+else:
+    # What the C library says of settings that a port does not take is no OSError.
+    _TERMINAL_ERRORS = (termios.error,)
+
 _READ_BYTES = 4096
 _PARITIES = {"none": serial.PARITY_NONE, "even": serial.PARITY_EVEN, "odd": serial.PARITY_ODD}
 _MISSING = frozenset({errno.ENOENT, errno.ENXIO, errno.ENODEV, errno.EIO})
@@ -177,7 +185,7 @@ def _open_port(name: str, profile: SerialProfile, write_timeout_s: float) -> ser
     except OSError as error:
         port.close()
         raise _not_opened(name, place, profile, error) from error
-    except ValueError as error:
+    except (ValueError, *_TERMINAL_ERRORS) as error:
         port.close()
         raise SettingsRefused(name, place, settings_text(profile), str(error)) from error
     return port

@@ -4,6 +4,11 @@ What it cannot show: the kernel keeps speed, stop bits and RTS/CTS that a progra
 a pseudo-terminal, but always says eight data bits and no parity. So a program that opens
 the port at a wrong speed or with wrong stop bits gets garbage, as on a real line; wrong
 parity or data bits pass unnoticed here.
+
+For the same reason the C library lets a second program open such a port with parity only
+if it changes something else by that: a setting of which nothing took effect is an error.
+So the port carries a mark without any effect, a flag of line editing, which every program
+clears when it sets the port up, and which is put back afterwards.
 """
 
 from __future__ import annotations
@@ -19,9 +24,11 @@ from pathlib import Path
 
 from cell.errors import CellError, LinkError
 from cell.profile import SerialProfile
+from cell.twin.serving.closings import Closings
 
 _READ_BYTES = 4096
-_CFLAG, _ISPEED, _OSPEED = 2, 4, 5
+_CFLAG, _LFLAG, _ISPEED, _OSPEED = 2, 3, 4, 5
+_MARK = termios.ECHOK
 
 
 class PtyPort:
@@ -43,6 +50,7 @@ class PtyPort:
         self._random = random.Random(seed)
         self._master = -1
         self._slave = -1
+        self._closings: Closings | None = None
         self.plug()
 
     @property
@@ -55,9 +63,11 @@ class PtyPort:
         """Whether the port is there."""
         return self._master >= 0
 
-    def fileno(self) -> int:
-        """Return the device's end, to wait on; negative while the cable is out."""
-        return self._master
+    def descriptors(self) -> tuple[int, ...]:
+        """Return what to wait on for bytes, and for a program that leaves; empty when unplugged."""
+        if self._closings is None:
+            return ()
+        return tuple(fd for fd in (self._master, self._closings.fileno()) if fd >= 0)
 
     def plug(self) -> None:
         """Make the port appear under its path.
@@ -74,6 +84,7 @@ class PtyPort:
             tty.setraw(self._slave)
             self._set_line()
             os.set_blocking(self._master, False)
+            self._closings = Closings(os.ttyname(self._slave))
             if self._path.is_symlink():
                 self._path.unlink()
             self._path.symlink_to(os.ttyname(self._slave))
@@ -96,6 +107,13 @@ class PtyPort:
             if end >= 0:
                 os.close(end)
         self._master = self._slave = -1
+        if self._closings is not None:
+            self._closings.close()
+            self._closings = None
+
+    def greet(self) -> None:
+        """Make ready for the next program, after one has set the port up or closed it."""
+        self.is_line_right()
 
     def hear(self) -> bytes:
         """Return what the program has sent, as the device hears it; empty if there is nothing.
@@ -103,8 +121,11 @@ class PtyPort:
         Raises:
             LinkError: The cable is out.
         """
+        master = self._require_master()
+        if self._closings is not None and self._closings.happened():
+            self.greet()
         try:
-            data = os.read(self._require_master(), _READ_BYTES)
+            data = os.read(master, _READ_BYTES)
         except BlockingIOError:
             return b""
         return data if self.is_line_right() else self._random.randbytes(len(data))
@@ -146,10 +167,16 @@ class PtyPort:
             raise
 
     def is_line_right(self) -> bool:
-        """Return whether speed and stop bits are the device's; the rest is not to be seen."""
+        """Return whether speed and stop bits are the device's; put the mark back.
+
+        The rest of the line's settings is not to be seen.
+        """
         if self._slave < 0:
             return True
         attributes = termios.tcgetattr(self._slave)
+        if not attributes[_LFLAG] & _MARK:
+            attributes[_LFLAG] |= _MARK
+            termios.tcsetattr(self._slave, termios.TCSANOW, attributes)
         has_two = bool(attributes[_CFLAG] & termios.CSTOPB)
         return has_two == (self._line.stop_bits == 2) and self._speed in (
             None,
@@ -164,6 +191,7 @@ class PtyPort:
             attributes[_CFLAG] |= termios.CSTOPB
         else:
             attributes[_CFLAG] &= ~termios.CSTOPB
+        attributes[_LFLAG] |= _MARK
         termios.tcsetattr(self._slave, termios.TCSANOW, attributes)
 
     def _require_master(self) -> int:

@@ -49,6 +49,7 @@ class SteppedWire:
             LinkError: The port cannot be opened.
         """
         link = open_port()
+        self._port.greet()
         try:
             # Nobody listened: what the device said, and what nobody fetched, is lost.
             self._fetch(link)
