@@ -60,7 +60,9 @@ class HealthLimits:
 
     Attributes:
         least_bright_level: 95th percentile of grey below which a picture is dark.
-        most_clipped_share: Share of clipped pixels above which it is overexposed.
+        most_clipped_share: Share of clipped pixels of the still part above which it is
+            overexposed.
+        most_clipped_share_anywhere: The same of the whole picture, for want of a reference.
         least_sharpness_ratio: Sharpness over the reference's, below which it is blurred.
         most_shift_px: Shift at 1280 columns above which the camera has moved.
         least_shift_gain: By how much the shift must fit better than none to be believed.
@@ -70,6 +72,7 @@ class HealthLimits:
 
     least_bright_level: float = 30.0
     most_clipped_share: float = 0.05
+    most_clipped_share_anywhere: float = 0.9
     least_sharpness_ratio: float = 0.8
     most_shift_px: float = 3.0
     least_shift_gain: float = 0.03
@@ -183,7 +186,8 @@ def judge_picture(
     """Return what is wrong with a picture (height, width, 3); nothing if it is healthy.
 
     A picture without light, or of another place, hides what comes after
-    it, so only the first such finding is told. A picture may be both blurred and moved.
+    it, so only the first such finding is told. One that has moved may show the bright screen
+    where all was still, so it is not called overexposed. It may be blurred and moved.
 
     Args:
         camera: The camera that it should be of.
@@ -196,16 +200,20 @@ def judge_picture(
     grey = _grey(pixels)
     own = references.get(camera)
     still = None if own is None or own.still.shape != grey.shape else own.still
-    light = _judge_light(camera, grey, still, limits)
-    if light:
-        return light
+    dark, overexposed = _judge_light(camera, grey, still, limits)
+    if dark:
+        return dark
     gradient = _gradient(grey)
     shifts = {name: _shift(gradient, reference) for name, reference in references.items()}
     swapped = _judge_place(camera, {name: shift.fit for name, shift in shifts.items()}, limits)
-    if swapped or own is None or still is None:
+    if swapped:
         return swapped
-    shift = shifts[camera]
-    return _judge_focus(camera, grey, own, shift, limits) + _judge_shift(camera, shift, limits)
+    if own is None or still is None:
+        return overexposed
+    moved = _judge_shift(camera, shifts[camera], limits)
+    if overexposed and not moved:
+        return overexposed
+    return _judge_focus(camera, grey, own, shifts[camera], limits) + moved
 
 
 def sharpness_at(pixels: Pixels, reference: PictureReference) -> float:
@@ -220,7 +228,8 @@ def shift_from(pixels: Pixels, reference: PictureReference) -> Shift:
 
 def _judge_light(
     camera: str, grey: Grey8, still: NDArray[np.bool_] | None, limits: HealthLimits
-) -> tuple[PictureFinding, ...]:
+) -> tuple[tuple[PictureFinding, ...], tuple[PictureFinding, ...]]:
+    """Return whether a picture is dark, and whether it is overexposed."""
     mask = None if still is None else still.astype(np.uint8)
     counts = cv2.calcHist([grey], [0], mask, [256], [0, 256]).ravel()
     shares = np.cumsum(counts) / counts.sum()
@@ -230,16 +239,16 @@ def _judge_light(
             f"the picture is dark: 95 % of it is below level {bright:.0f} of 255; "
             "take the cap off, switch the lights on, compare shutter and gain with the profile"
         )
-        return (_finding("dark", camera, bright, limits.least_bright_level, "levels", text),)
+        return (_finding("dark", camera, bright, limits.least_bright_level, "levels", text),), ()
     clipped = float(1.0 - shares[_CLIPPED_LEVEL - 1])
-    if clipped > limits.most_clipped_share:
-        text = (
-            f"the picture is overexposed: {100 * clipped:.0f} % of it is clipped; "
-            "compare shutter, gain and the automatic modes with the profile"
-        )
-        limit = limits.most_clipped_share
-        return (_finding("overexposed", camera, clipped, limit, "share", text),)
-    return ()
+    limit = limits.most_clipped_share if still is not None else limits.most_clipped_share_anywhere
+    if clipped <= limit:
+        return (), ()
+    text = (
+        f"the picture is overexposed: {100 * clipped:.0f} % of it is clipped; "
+        "compare shutter, gain and the automatic modes with the profile"
+    )
+    return (), (_finding("overexposed", camera, clipped, limit, "share", text),)
 
 
 def _judge_place(
@@ -361,10 +370,8 @@ def _shift(gradient: Grey, reference: PictureReference) -> Shift:
         return Shift(dx_px=0.0, dy_px=0.0, fit=0.0, fit_unmoved=0.0)
     reach = _FIT_REACH_PX
     padded = cv2.copyMakeBorder(gradient, reach, reach, reach, reach, cv2.BORDER_REFLECT)
-    fits = cv2.matchTemplate(
-        padded, reference.gradient, cv2.TM_CCOEFF_NORMED, mask=reference.weight
-    )
-    fits = np.asarray(np.nan_to_num(fits, nan=0.0, posinf=0.0, neginf=0.0), np.float32)
+    raw = cv2.matchTemplate(padded, reference.gradient, cv2.TM_CCOEFF_NORMED, mask=reference.weight)
+    fits: Grey = np.nan_to_num(raw.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0)
     row, column = divmod(int(fits.argmax()), fits.shape[1])
     scale = FULL_WIDTH_PX / _FIT_WIDTH_PX
     return Shift(
