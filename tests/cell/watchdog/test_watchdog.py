@@ -173,6 +173,18 @@ def test_a_wrong_key_or_component_is_said_and_waits_for_new_settings() -> None:
             assert bugzilla.requests - before <= 1
 
 
+def test_what_waits_for_new_settings_is_sent_at_once_when_asked() -> None:
+    with BugzillaStandIn() as bugzilla:
+        bugzilla.mood = "overloaded"
+        rig = Rig(bugzilla_at(bugzilla), profile=one_camera())
+        rig.cell.behind.wires["display"].inject(WireFault.SILENT)
+        rig.pass_hours(2.1)
+        bugzilla.mood = "up"
+        assert rig.outbox.deliver() == 0
+        rig.outbox.hurry()
+        assert rig.outbox.deliver() == 1
+
+
 def test_an_old_bugzilla_knows_the_key_as_a_field_only() -> None:
     with BugzillaStandIn(knows_header=False) as bugzilla:
         rig = Rig(bugzilla_at(bugzilla), profile=one_camera())
