@@ -2,40 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
+from cell.assembly.drivers import make_drivers
+from cell.assembly.emulated import blocks_in_store, emulate_devices
+from cell.assembly.wires import TwinWires, WireLoom
 from cell.clock import Clock
-from cell.drivers.melfa_r3.driver import MelfaArm
-from cell.drivers.melfa_r3.settings import ArmSettings
-from cell.drivers.schunk_smp.driver import SchunkGripper
-from cell.drivers.schunk_smp.settings import SchunkSettings
-from cell.drivers.sharp_aquos.driver import SharpDisplay
-from cell.drivers.sharp_aquos.settings import SharpSettings
 from cell.events import EventBus
 from cell.kinematics import SixAxisArm
 from cell.ledger import Ledger
-from cell.links.base import Emulator, Link, Tap
-from cell.links.capture import CapturedLink
-from cell.links.memory import MemoryLink
+from cell.links.base import Tap
 from cell.lock import CellLock
 from cell.motion.guard import Guard
 from cell.motion.guarded import GuardedArm
 from cell.profile import Profile
 from cell.stop import StopToken
-from cell.store import StorePlan, place_of_slot
+from cell.store import StorePlan
 from cell.twin.behind import Behind
-from cell.twin.blocks import TwinBlock
 from cell.twin.cameras.camera import TwinCamera
-from cell.twin.emulators.melfa_r3.controller import MelfaController
-from cell.twin.emulators.melfa_r3.settings import ControllerSettings
-from cell.twin.emulators.schunk_smp.module import SchunkModule
-from cell.twin.emulators.schunk_smp.settings import SchunkModuleSettings
-from cell.twin.emulators.sharp_aquos.settings import SharpTelevisionSettings
-from cell.twin.emulators.sharp_aquos.television import SharpTelevision
-from cell.twin.fingers import TwinFingers
 from cell.twin.keeping import WorldFile
 from cell.twin.screen import TwinScreen
-from cell.twin.wire_faults import FaultyEmulator
 from cell.twin.world import World
 from cell.twin_cell import TwinCell
 
@@ -51,8 +38,9 @@ def assemble_twin(
     state_folder: Path | None = None,
     tap: Tap | None = None,
     events: EventBus | None = None,
+    wires: TwinWires = "memory",
 ) -> TwinCell:
-    """Put a cell together whose drivers talk to emulators in memory.
+    """Put a cell together whose drivers talk to emulators.
 
     Args:
         profile: The cell's profile.
@@ -62,10 +50,13 @@ def assemble_twin(
         state_folder: Where world and ledger are kept; None keeps them in memory.
         tap: Shown every byte on every wire.
         events: Where events go; a bus of its own unless given.
+        wires: Whether drivers and emulators are joined in memory or over pseudo-terminals
+            that pyserial opens with the profile's parameters. Replies are the same.
 
     Raises:
         StillHeld: Another process has this cell.
-        CellError: What is kept in the folder cannot be used.
+        CellError: What is kept in the folder cannot be used, or there are no
+            pseudo-terminals.
     """
     events = events or EventBus(clock)
     stop = StopToken()
@@ -74,44 +65,18 @@ def assemble_twin(
     world = World(profile, kinematics, clock, blocks_in_store(profile, plan), seed=seed)
     if state_folder is not None:
         _keep(world, WorldFile(state_folder / "world.json"), clock)
-
-    wires: dict[str, FaultyEmulator] = {}
-
-    def wire(name: str, emulator: Emulator) -> Link:
-        wires[name] = FaultyEmulator(emulator, seed=seed)
-        link: Link = MemoryLink(name, wires[name], clock)
-        return link if tap is None else CapturedLink(link, tap)
-
-    controller = MelfaController(world, kinematics, ControllerSettings.from_profile(profile.arm))
-    module = SchunkModule(
-        TwinFingers(world),
-        SchunkModuleSettings.from_profile(profile.gripper),
-        is_referenced=world.is_gripper_referenced,
-    )
-    world.ask_reference(lambda: module.is_referenced)
-    television = SharpTelevision(world, SharpTelevisionSettings.from_profile(profile.display))
-    arm = MelfaArm(
-        wire("arm", controller), clock, ArmSettings.from_profile(profile.arm), on_warning=_unheard
-    )
-    gripper = SchunkGripper(
-        wire("gripper", module),
-        clock,
-        SchunkSettings.from_profile(profile.gripper),
-        token=stop,
-        on_warning=_unheard,
-    )
-    display = SharpDisplay(
-        wire("display", television),
-        clock,
-        SharpSettings.from_profile(profile.display),
-        on_warning=_unheard,
-    )
+    devices = emulate_devices(profile, world, kinematics, seed=seed)
+    if wires == "pty":
+        loom = WireLoom.over_pty(profile, devices.wires, clock, tap, stop)
+    else:
+        loom = WireLoom.in_memory(devices.wires, clock, tap)
+    drivers = make_drivers(profile, loom.links, clock, stop, on_warning=_unheard)
     cameras = _cameras(profile, plan, world, kinematics, clock)
     cell = TwinCell(
         profile,
-        arm=GuardedArm(arm, Guard.from_profile(profile), profile.arm, events, stop),
-        gripper=gripper,
-        display=display,
+        arm=GuardedArm(drivers.arm, Guard.from_profile(profile), profile.arm, events, stop),
+        gripper=drivers.gripper,
+        display=drivers.display,
         screen=TwinScreen(world),
         cameras=cameras,
         ledger=Ledger(None if state_folder is None else state_folder / "ledger.sqlite"),
@@ -119,30 +84,13 @@ def assemble_twin(
         events=events,
         clock=clock,
         stop=stop,
-        release=_nothing if lock is None else lock.release,
+        release=_release(loom, lock),
     )
     cell.world = world
-    cell.behind = Behind(world, controller, module, television, cameras, wires)
+    cell.behind = Behind(
+        world, devices.controller, devices.module, devices.television, cameras, devices.wires
+    )
     return cell
-
-
-def blocks_in_store(profile: Profile, plan: StorePlan) -> list[TwinBlock]:
-    """Return the twin's blocks, each exactly in its slot."""
-    blocks = []
-    for slot in plan.slots:
-        place = place_of_slot(slot, profile.store)
-        blocks.append(
-            TwinBlock(
-                block=slot.block,
-                kind=slot.kind,
-                colour=slot.colour,
-                x_mm=place.x_mm,
-                y_mm=place.y_mm,
-                z_mm=profile.heights.surface_mm,
-                yaw_deg=place.yaw_deg,
-            )
-        )
-    return blocks
 
 
 def _cameras(
@@ -174,5 +122,12 @@ def _unheard(warning: str) -> None:
     """Take a driver's warning that it was never tried on hardware: here is none."""
 
 
-def _nothing() -> None:
-    """Release nothing: a world in memory is locked by nobody."""
+def _release(loom: WireLoom, lock: CellLock | None) -> Callable[[], None]:
+    """Return what gives wires and lock back; a world in memory is locked by nobody."""
+
+    def release() -> None:
+        loom.close()
+        if lock is not None:
+            lock.release()
+
+    return release

@@ -7,6 +7,7 @@ its time-out changes. Elsewhere pyserial does the reading.
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import math
 import os
@@ -26,13 +27,12 @@ from cell.links.errors import (
 from cell.links.ports import missing, port_of
 from cell.profile import SerialProfile
 
-try:
+_REFUSALS: tuple[type[Exception], ...] = (ValueError,)
+with contextlib.suppress(ImportError):  # Windows has no termios, nor its errors.
     import termios
-except ImportError:  # Windows has none, nor its errors.
-    _TERMINAL_ERRORS: tuple[type[Exception], ...] = ()
-else:
+
     # What the C library says of settings that a port does not take is no OSError.
-    _TERMINAL_ERRORS = (termios.error,)
+    _REFUSALS = (ValueError, termios.error)
 
 _READ_BYTES = 4096
 _PARITIES = {"none": serial.PARITY_NONE, "even": serial.PARITY_EVEN, "odd": serial.PARITY_ODD}
@@ -185,7 +185,7 @@ def _open_port(name: str, profile: SerialProfile, write_timeout_s: float) -> ser
     except OSError as error:
         port.close()
         raise _not_opened(name, place, profile, error) from error
-    except (ValueError, *_TERMINAL_ERRORS) as error:
+    except _REFUSALS as error:
         port.close()
         raise SettingsRefused(name, place, settings_text(profile), str(error)) from error
     return port
