@@ -1,9 +1,11 @@
 """The ledger: where every block is, on disk, so that a killed program can clean up.
 
 Each transfer is written before the fingers touch the block (`planned`), when
-they hold it (`gripped`), and when it lies at its new place (the transfer is
-closed and the place updated in one transaction). After a crash there is at most
-one open transfer; its phase and the gripper's opening tell where the block is.
+they hold it (`gripped`), before they let it go over its place (`placing`), and when
+it lies there (the transfer is closed and the place updated in one transaction).
+After a crash there is at most one open transfer; its phase and the gripper's opening
+tell where the block is. A block that fell from the fingers on the way is a stray: it
+stays in the ledger until it is found.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from typing import Literal
 from cell.errors import LedgerError
 from cell.store import TablePlace
 
-Phase = Literal["planned", "gripped"]
+Phase = Literal["planned", "gripped", "placing"]
 
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS whereabouts (
@@ -30,6 +32,7 @@ CREATE TABLE IF NOT EXISTS transfer (
     from_x_mm REAL, from_y_mm REAL, from_yaw_deg REAL,
     to_x_mm REAL, to_y_mm REAL, to_yaw_deg REAL
 );
+CREATE TABLE IF NOT EXISTS strays (slot INTEGER PRIMARY KEY);
 """
 
 
@@ -108,12 +111,33 @@ class Ledger:
         with self._errors():
             self._database.execute("UPDATE transfer SET phase = 'gripped'")
 
+    def placing(self) -> None:
+        """Note that the fingers stand at the target and are about to let the block go."""
+        with self._errors():
+            self._database.execute("UPDATE transfer SET phase = 'placing'")
+
+    def lost(self, slot: int) -> None:
+        """Note that a block is neither where it was nor between the fingers."""
+        with self._errors():
+            self._database.execute("BEGIN IMMEDIATE")
+            self._database.execute("DELETE FROM transfer")
+            self._database.execute("DELETE FROM whereabouts WHERE slot = ?", (slot,))
+            self._database.execute("INSERT OR REPLACE INTO strays VALUES (?)", (slot,))
+            self._database.execute("COMMIT")
+
+    def strays(self) -> tuple[int, ...]:
+        """Return the slot numbers of the blocks that were lost and not found yet."""
+        with self._errors():
+            rows = self._database.execute("SELECT slot FROM strays ORDER BY slot").fetchall()
+        return tuple(slot for (slot,) in rows)
+
     def released(self, slot: int, place: TablePlace | None) -> None:
         """Note that a block lies at a place (None: its slot); closes the transfer."""
         with self._errors():
             self._database.execute("BEGIN IMMEDIATE")
             self._database.execute("DELETE FROM transfer")
             self._database.execute("DELETE FROM whereabouts WHERE slot = ?", (slot,))
+            self._database.execute("DELETE FROM strays WHERE slot = ?", (slot,))
             if place is not None:
                 self._database.execute(
                     "INSERT INTO whereabouts VALUES (?, ?, ?, ?)", (slot, *_columns(place))

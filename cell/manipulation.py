@@ -1,7 +1,8 @@
 """Moving blocks: grip, release, lay out, clean up, each noted in the ledger.
 
 A block is gripped from above: over it at the service height, straight down to
-the laying height, close, straight up. Putting down is the same backwards.
+the laying height, close, straight up. Putting down is the same backwards. Whether the
+fingers still hold it is looked at when it is up, and before they let it go.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from cell.devices.gripper import Gripper
-from cell.errors import GripFailed, StoreError
+from cell.devices.gripper import Gripper, GripperState
+from cell.errors import DeviceError, GripFailed, StoreError
 from cell.events import BlockGripped, BlockReleased, EventBus
 from cell.geometry import Pose
 from cell.ledger import Ledger, Transfer
@@ -92,9 +93,9 @@ class Manipulator:
         entry = self._plan.slot(number)
         self._ledger.plan(number, source, source)
         try:
-            self._grip(source or self.slot_place(number), entry.kind, entry.block)
+            self._grip(source or self.slot_place(number), entry)
         except GripFailed:
-            self._ledger.abandon()
+            self._abandon_untouched()
             raise
         return number
 
@@ -105,7 +106,7 @@ class Manipulator:
             GripFailed: No block was picked up.
         """
         transfer = self._ledger.open_transfer()
-        if transfer is None or transfer.phase != "gripped":
+        if transfer is None or transfer.phase == "planned":
             raise GripFailed("the fingers hold no block that could be put down")
         entry = self._plan.slot(transfer.slot)
         own = self.slot_place(entry.number)
@@ -142,11 +143,16 @@ class Manipulator:
         entry = self._plan.slot(slot)
         self._ledger.plan(slot, source, target)
         try:
-            self._grip(source or self.slot_place(slot), entry.kind, entry.block)
+            self._grip(source or self.slot_place(slot), entry)
         except GripFailed:
-            self._ledger.abandon()
+            self._abandon_untouched()
             raise
         self._put_down(entry, target)
+
+    def _abandon_untouched(self) -> None:
+        """Close a transfer whose block was never gripped; a lost one has no transfer any more."""
+        if self._ledger.open_transfer() is not None:
+            self._ledger.abandon()
 
     def lay_out(self, deployments: Sequence[Deployment], progress: Progress = no_progress) -> None:
         """Bring each block from its slot to its place."""
@@ -188,14 +194,44 @@ class Manipulator:
 
     def is_table_clean(self) -> bool:
         """Return whether the ledger has every block in its slot and none in the fingers."""
-        return not self._ledger.blocks_out() and self._ledger.open_transfer() is None
+        ledger = self._ledger
+        return not (ledger.blocks_out() or ledger.open_transfer() or ledger.strays())
 
-    def _grip(self, place: TablePlace, kind: str, name: str) -> None:
+    def may_hold_block(self) -> bool:
+        """Return whether, by the ledger, a block may be between the fingers."""
+        return self._ledger.open_transfer() is not None
+
+    def grip_problem(self, state: GripperState) -> str:
+        """Hold a gripper's state against the ledger; return what does not fit, or nothing.
+
+        A block that the fingers should hold and do not is noted as lost: that is a fact then,
+        and nothing that keeps the arm from moving.
+        """
+        transfer = self._ledger.open_transfer()
+        if transfer is None:
+            if state.current_a and not state.is_moving:
+                return "the fingers hold something the ledger knows nothing of: take it out by hand"
+            return ""
+        entry = self._plan.slot(transfer.slot)
+        if transfer.phase == "gripped" and state.is_referenced and not self._fits(state, entry):
+            self._ledger.lost(entry.number)
+        return ""
+
+    def look_for_strays(self) -> list[int]:
+        """Feel the slots of lost blocks: a person may have put one back; return those found."""
+        found = [number for number in self._ledger.strays() if self.feels_block(number)]
+        for number in found:
+            self._ledger.released(number, None)
+        return found
+
+    def _grip(self, place: TablePlace, entry: StoreSlot) -> None:
         """Grip the block that lies at a place and lift it to the service height.
 
         Raises:
-            GripFailed: The fingers closed on nothing, or on something of another width.
+            GripFailed: The fingers closed on nothing, or on something of another width, or
+                lost the block while it was lifted.
         """
+        kind, name = entry.kind, entry.block
         self._gripper.move_to(self._profile.gripper.open_mm)
         self._approach(place, holds_block=False)
         result = self._gripper.grip(self._profile.gripper.grip_current_a)
@@ -212,28 +248,80 @@ class Manipulator:
         self._ledger.gripped()
         self._events.emit(BlockGripped(name, result.width_mm))
         self._lift(place, holds_block=True)
+        self._require_held(entry)
 
-    def _release(self, place: TablePlace, name: str) -> None:
-        """Put the held block down at a place; the fingers stay there, open."""
+    def _release(self, place: TablePlace, entry: StoreSlot) -> None:
+        """Put the held block down at a place; the fingers stay there, open.
+
+        Raises:
+            GripFailed: The block was lost on the way.
+        """
         self._approach(place, holds_block=True)
+        self._require_held(entry)
+        self._ledger.placing()
         self._gripper.move_to(self._profile.gripper.open_mm)
-        self._events.emit(BlockReleased(name, place.x_mm, place.y_mm, place.yaw_deg))
+        self._events.emit(BlockReleased(entry.block, place.x_mm, place.y_mm, place.yaw_deg))
+
+    def _require_held(self, entry: StoreSlot) -> None:
+        """Return if the fingers hold a block; one that is gone is noted as lost.
+
+        Raises:
+            GripFailed: It is gone; the arm is held.
+            DeviceError: The gripper cannot tell, because it was without power; likewise.
+        """
+        state = self._gripper.read_state()
+        if not state.is_referenced:
+            raise self._arm.fail(
+                "gripper",
+                DeviceError(
+                    "gripper",
+                    f"was without power while it held {entry.block}'s {entry.kind}",
+                    hint="the next command that moves puts it down at home",
+                ),
+            )
+        if not self._fits(state, entry):
+            self._ledger.lost(entry.number)
+            raise self._arm.fail("gripper", GripFailed(_lost(entry)))
+
+    def _fits(self, state: GripperState, entry: StoreSlot) -> bool:
+        width_mm = self._profile.blocks[entry.kind].width_mm
+        return abs(state.position_mm - width_mm) <= WIDTH_TOLERANCE_MM
 
     def _recover(self) -> list[int]:
         """Close a transfer that a crash left open; return the slots whose blocks went home.
 
         Fingers that stand open hold nothing. Otherwise they are closed where they
-        are: they hold the block exactly when they meet something of its width.
+        are: they hold the block exactly when they meet something of its width. Fingers
+        that do not know their zero, after a loss of power, can only be opened wide: over
+        the block's own slot when they may hold it, else where they are.
         """
+        self._arm.ensure_clear()
         transfer = self._ledger.open_transfer()
         if transfer is None:
             return []
         entry = self._plan.slot(transfer.slot)
+        if not self._gripper.read_state().is_referenced:
+            return self._recover_unreferenced(transfer, entry)
         if self._holds(entry):
             self._ledger.gripped()
             self._put_down(entry, None)
             return [entry.number]
         self._settle(transfer)
+        return []
+
+    def _recover_unreferenced(self, transfer: Transfer, entry: StoreSlot) -> list[int]:
+        if transfer.phase != "gripped":
+            self._gripper.reference()
+            self._settle(transfer)
+            return []
+        home = self.slot_place(entry.number)
+        self._approach(home, holds_block=True)
+        self._gripper.reference()
+        self._ledger.released(entry.number, None)
+        self._lift(home, holds_block=False)
+        if self.feels_block(entry.number):
+            return [entry.number]
+        self._ledger.lost(entry.number)
         return []
 
     def _holds(self, entry: StoreSlot) -> bool:
@@ -249,14 +337,17 @@ class Manipulator:
 
     def _settle(self, transfer: Transfer) -> None:
         """Write where the block of an open transfer lies, now that no finger holds it."""
-        if transfer.phase == "planned":
-            self._ledger.abandon()
-        else:
-            self._ledger.released(transfer.slot, transfer.target)
+        match transfer.phase:
+            case "planned":
+                self._ledger.abandon()
+            case "gripped":
+                self._ledger.lost(transfer.slot)
+            case "placing":
+                self._ledger.released(transfer.slot, transfer.target)
 
     def _put_down(self, entry: StoreSlot, target: TablePlace | None) -> None:
         place = target or self.slot_place(entry.number)
-        self._release(place, entry.block)
+        self._release(place, entry)
         self._ledger.released(entry.number, target)
         self._lift(place, holds_block=False)
 
@@ -276,3 +367,10 @@ class Manipulator:
         turn = (place.yaw_deg + 90.0) % 180.0 - 90.0
         c_deg = 180.0 + turn if turn <= 0 else turn - 180.0
         return Pose(place.x_mm, place.y_mm, z_mm, 180.0, 0.0, c_deg)
+
+
+def _lost(entry: StoreSlot) -> str:
+    return (
+        f"{entry.block}: lost on the way: the fingers hold its {entry.kind} no longer; "
+        "it is looked for when the table is cleaned"
+    )

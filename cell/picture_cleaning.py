@@ -85,8 +85,8 @@ def _slot_for(
 ) -> int:
     """Return the slot to bring a block to.
 
-    First of those that the ledger has out, the nearest; then the lowest in which the
-    fingers feel nothing.
+    First of those that the ledger has out, the nearest; then one whose block was lost; then
+    the lowest in which the fingers feel nothing.
 
     Raises:
         StoreError: There is no such slot.
@@ -98,6 +98,10 @@ def _slot_for(
         return min(
             known, key=lambda n: math.hypot(out[n].x_mm - place.x_mm, out[n].y_mm - place.y_mm)
         )
+    strays = ledger.strays()
+    lost = [number for number in slots if number in strays]
+    if lost:
+        return lost[0]
     for number in slots:
         if not manipulator.feels_block(number):
             return number

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 from cell.clock import Clock
+from cell.devices.absent import AbsentDisplay, AbsentGripper, AbsentScreen
 from cell.devices.camera import MODES, Camera, CameraMode, Frame
 from cell.devices.display import Display, Screen
 from cell.devices.gripper import Gripper
-from cell.errors import CellError, DeviceError
+from cell.errors import (
+    CellError,
+    DeviceError,
+    GripFailed,
+    LedgerError,
+    LinkError,
+    VisionError,
+)
 from cell.events import (
     DeviceClosed,
     DeviceFailed,
@@ -19,11 +28,19 @@ from cell.events import (
     PictureShown,
 )
 from cell.geometry import JointPositions, LatticeMap, Pose
+from cell.hand_laying import LaidOutByPeople
 from cell.ledger import Ledger
 from cell.manipulation import Deployment, Manipulator, Progress, no_progress
 from cell.motion.guarded import GuardedArm
 from cell.picture_cleaning import PictureCleaning, bring_home, seeing_camera
 from cell.profile import Profile
+from cell.recovery.faults import DeviceName
+from cell.recovery.opening import OpeningFailed, Step, bring_up
+from cell.recovery.resume import ResumeCheck
+from cell.recovery.watched_camera import CameraKeeper
+from cell.recovery.watched_display import DisplayKeeper
+from cell.recovery.watched_gripper import WatchedGripper
+from cell.reporting import FaultReporter
 from cell.stop import StopToken
 from cell.store import StorePlan, TablePlace
 from cell.vision import find_blocks
@@ -33,8 +50,9 @@ class RobotCell:
     """A whole cell: arm, gripper, display, cameras, lights, store and ledger.
 
     Used by one thread at a time, except for `stop`, which anybody may set. After
-    a fault the arm stands still and the ledger knows where the blocks are; `clean`
-    puts things right when the cause is gone.
+    a fault the arm stands still and the ledger knows where the blocks are; nothing
+    moves again before the resume check is clear, and `clean` then puts things right.
+    What the profile disables is left out, and the event bus is told so.
     """
 
     def __init__(
@@ -60,11 +78,38 @@ class RobotCell:
         self.plan = plan
         self.ledger = ledger
         self.arm = arm
-        self.gripper = gripper
+        reporter = self._reporter = FaultReporter(events)
+        self._has_gripper = profile.arm.enabled and profile.gripper.enabled
+        if not self._has_gripper:
+            gripper = AbsentGripper(profile.gripper.open_mm, on_skip=reporter.skipped)
+        if not profile.display.enabled:
+            display = AbsentDisplay(profile.display.input, on_skip=reporter.skipped)
+            screen = AbsentScreen()
+        self.gripper = WatchedGripper(
+            gripper,
+            arm,
+            may_hold_block=lambda: self.manipulator.may_hold_block(),
+            power_up=lambda: arm.arm.set_output(profile.outputs.gripper_power, is_on=True),
+            reporter=reporter,
+        )
         self.display = display
         self.screen = screen
         self.cameras = dict(cameras)
-        self.manipulator = Manipulator(arm, gripper, ledger, plan, profile, events)
+        self._pictures = CameraKeeper(reporter)
+        can_manipulate = self._has_gripper and profile.manipulation.enabled
+        kind = Manipulator if can_manipulate else LaidOutByPeople
+        self.manipulator = kind(arm, self.gripper, ledger, plan, profile, events)
+        self._keeper = DisplayKeeper(display, profile.display.input, reporter)
+        arm.pass_through(
+            lambda opened: ResumeCheck(
+                profile,
+                arm=opened,
+                guard=arm.guard,
+                gripper=gripper,
+                grip_problem=self.manipulator.grip_problem,
+                reporter=reporter,
+            )
+        )
         self.lattice = LatticeMap(
             step_mm=profile.lattice.step_mm,
             angle_deg=profile.lattice.angle_deg,
@@ -73,7 +118,6 @@ class RobotCell:
         )
         self._release = release
         self._is_open = False
-        self._modes: dict[str, CameraMode] = {}
         self._last_frames: dict[str, Frame] = {}
 
     # A session's beginning
@@ -96,24 +140,63 @@ class RobotCell:
     def open(self) -> None:
         """Bring every device up: arm, gripper with its power, display, lights.
 
+        What does not need each other comes up at the same time, where the clock allows it,
+        and all failures are told at once. After a fault this is also how somebody says that
+        it may go on: the resume check decides then.
+
         Raises:
             DeviceError: A device does not come up; what was opened is closed again.
         """
+        self.arm.allow_resume()
         if self._is_open:
             return
+        identities: dict[str, str] = {}
         try:
-            self._bring_up("arm", self.arm.open)
-            self.set_output(self.profile.outputs.gripper_power, is_on=True)
-            self._bring_up("gripper", self.gripper.open)
-            self._bring_up("display", self.display.open)
-            self.display.switch_on()
-            self.display.select_input(self.profile.display.input)
+            bring_up((self._arm_chain(identities), self._display_chain(identities)), self.clock)
+            for device in ("arm", "gripper", "display"):
+                self.events.emit(DeviceOpened(device, identities[device]))
             self.switch_lights(is_on=True)
         except CellError as error:
-            self.events.emit(DeviceFailed("cell", str(error)))
+            self._tell_failures(error)
             self._switch_off()
             raise
+        if not self.profile.manipulation.enabled:
+            self._reporter.skipped("manipulation", "people lay out and clear the blocks")
         self._is_open = True
+
+    def _arm_chain(self, identities: dict[str, str]) -> list[Step]:
+        """Return how arm and gripper come up: the gripper has its power from the arm."""
+
+        def power_gripper() -> None:
+            if self._has_gripper:
+                self.set_output(self.profile.outputs.gripper_power, is_on=True)
+
+        return [
+            self._step("arm", self.arm.open, identities),
+            Step("arm", power_gripper),
+            self._step("gripper", self.gripper.open, identities),
+        ]
+
+    def _display_chain(self, identities: dict[str, str]) -> list[Step]:
+        return [
+            self._step("display", self.display.open, identities),
+            Step("display", self.display.switch_on),
+            Step("display", lambda: self.display.select_input(self.profile.display.input)),
+        ]
+
+    def _step(self, device: str, bring: Callable[[], str], identities: dict[str, str]) -> Step:
+        def run() -> None:
+            self.stop.check()
+            identities[device] = bring()
+
+        return Step(device, run)
+
+    def _tell_failures(self, error: CellError) -> None:
+        if isinstance(error, OpeningFailed):
+            for failure in error.failures:
+                self.events.emit(DeviceFailed(failure.device, str(failure.error)))
+        else:
+            self.events.emit(DeviceFailed("cell", str(error)))
 
     def close(self) -> None:
         """Switch every device off; harmless when they are off.
@@ -130,19 +213,22 @@ class RobotCell:
         self.ledger.close()
         self._release()
 
-    def _bring_up(self, device: str, bring: Callable[[], str]) -> None:
-        self.stop.check()
-        self.events.emit(DeviceOpened(device, bring()))
-
     def _switch_off(self) -> None:
-        """Close all devices; one that fails does not keep the others on."""
+        """Close all devices; one that fails does not keep the others on.
+
+        Fingers that may hold a block keep their power: without it they forget their zero.
+        """
         outputs = self.profile.outputs
+        keeps_power = self._may_hold_block()
         for device, close in (
             ("display", self.display.switch_off),
             ("display", self.display.close),
             ("gripper", self.gripper.close),
             ("lights", lambda: self.set_output(outputs.lights, is_on=False)),
-            ("gripper", lambda: self.set_output(outputs.gripper_power, is_on=False)),
+            (
+                "gripper",
+                lambda: self.set_output(outputs.gripper_power, is_on=keeps_power),
+            ),
             ("arm", self.arm.close),
             ("cameras", self.close_cameras),
         ):
@@ -151,6 +237,25 @@ class RobotCell:
             except CellError as error:
                 self.events.emit(DeviceFailed(device, str(error)))
         self.events.emit(DeviceClosed("cell"))
+
+    def _may_hold_block(self) -> bool:
+        try:
+            return self.manipulator.may_hold_block()
+        except LedgerError:
+            # Nobody knows: power does no harm.
+            return True
+
+    @contextmanager
+    def _watched(self, device: DeviceName) -> Iterator[None]:
+        """Hold the arm when a device fails, or the ledger cannot be written."""
+        try:
+            yield
+        except LedgerError as error:
+            raise self.arm.fail("ledger", error) from error
+        except (DeviceError, LinkError) as error:
+            if self.arm.is_held:
+                raise
+            raise self.arm.fail(device, error) from error
 
     # Motion
 
@@ -201,38 +306,73 @@ class RobotCell:
         Raises:
             GripFailed: A block is not in its slot.
         """
-        if not self.manipulator.is_table_clean():
-            self.clean(progress)
-        self.manipulator.lay_out(deployments, progress)
+        with self._watched("ledger"):
+            if not self.manipulator.is_table_clean():
+                self.clean(progress)
+            self.manipulator.lay_out(deployments, progress)
 
     def clean(self, progress: Progress = no_progress) -> list[int]:
         """Bring every block that is out back to its slot, and stand aside.
 
+        A block that fell from the fingers is looked for: first in its slot, where a person
+        may have put it, then with the camera over the table.
+
         Returns:
             The slot numbers of the blocks brought home.
+
+        Raises:
+            GripFailed: A block is not where the ledger has it, or a lost one is not found.
         """
         home: list[int] = []
-        if not self.manipulator.is_table_clean():
-            home = self.manipulator.clean(progress=progress)
+        with self._watched("ledger"):
+            if not self.manipulator.is_table_clean():
+                home = self.manipulator.clean(progress=progress)
+            if self.ledger.strays():
+                home += self._find_strays(progress)
         self.arm.raise_to(self.profile.heights.service_mm)
         self.arm.rest()
         return home
 
+    def _find_strays(self, progress: Progress) -> list[int]:
+        home = self.manipulator.look_for_strays()
+        if self.ledger.strays():
+            picture = self.screen.shown()
+            try:
+                home += self.clean_from_picture(progress).home
+            except VisionError as error:
+                raise GripFailed(f"{self._lost()} ({error})") from error
+            finally:
+                self.show(picture)
+        if self.ledger.strays():
+            raise GripFailed(self._lost())
+        return home
+
+    def _lost(self) -> str:
+        blocks = ", ".join(self.plan.slot(number).block for number in self.ledger.strays())
+        return (
+            f"{blocks}: fell from the fingers and is not found; look around the table, put it "
+            "into its slot by hand, then run `cell clean`"
+        )
+
     def deploy(self, slot: int, place: TablePlace) -> None:
         """Bring one block from its slot to a place."""
-        self.manipulator.transfer(slot, None, place)
+        with self._watched("ledger"):
+            self.manipulator.transfer(slot, None, place)
 
     def grip_at(self, place: TablePlace) -> int:
         """Grip the block at a place and lift it; return its slot number."""
-        return self.manipulator.pick_up(place)
+        with self._watched("ledger"):
+            return self.manipulator.pick_up(place)
 
     def release_at(self, place: TablePlace) -> None:
         """Put the gripped block down at a place."""
-        self.manipulator.put_down(place)
+        with self._watched("ledger"):
+            self.manipulator.put_down(place)
 
     def clean_objects(self, slots: Sequence[int], progress: Progress = no_progress) -> list[int]:
         """Bring only the blocks of these slots home."""
-        return self.manipulator.clean(slots, progress)
+        with self._watched("ledger"):
+            return self.manipulator.clean(slots, progress)
 
     def clean_from_picture(self, progress: Progress = no_progress) -> PictureCleaning:
         """Bring home every block that the top camera sees, wherever it was left.
@@ -265,7 +405,8 @@ class RobotCell:
 
     def set_output(self, bit: int, *, is_on: bool) -> None:
         """Switch one output of the arm controller."""
-        self.arm.arm.set_output(bit, is_on=is_on)
+        with self._watched("lights"):
+            self.arm.arm.set_output(bit, is_on=is_on)
 
     def switch_lights(self, *, is_on: bool) -> None:
         """Switch the cell's lights."""
@@ -277,8 +418,11 @@ class RobotCell:
         self.set_output(self.profile.outputs.magnet, is_on=is_on)
 
     def show(self, picture: str) -> None:
-        """Show a picture on the screen under the playground."""
-        self.screen.show(picture)
+        """Show a picture on the screen under the playground, and see to it that it is seen."""
+        with self._watched("display"):
+            if self._is_open:
+                self._keeper.ensure_shown()
+            self.screen.show(picture)
         self.events.emit(PictureShown(picture))
 
     def grab(self, camera: str, width_px: int = 1280, height_px: int = 960) -> Frame:
@@ -292,10 +436,8 @@ class RobotCell:
             known = ", ".join(sorted(self.cameras))
             raise DeviceError(f"camera {camera}", f"is not in the profile; known are {known}")
         mode = camera_mode(camera, width_px, height_px)
-        if self._modes.get(camera) != mode:
-            device.open(mode)
-            self._modes[camera] = mode
-        frame = device.grab()
+        with self._watched("camera"):
+            frame = self._pictures.grab(device, mode)
         if self._last_frames.get(camera) is not frame:
             self._last_frames[camera] = frame
             self.events.emit(
@@ -307,7 +449,7 @@ class RobotCell:
         """Stop all cameras."""
         for camera in self.cameras.values():
             camera.close()
-        self._modes.clear()
+        self._pictures.forget()
         self._last_frames.clear()
 
 

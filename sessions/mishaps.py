@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import TypeVar
 
@@ -21,6 +21,8 @@ from cell.errors import (
     LinkError,
     MotionRefused,
     ProfileError,
+    ResumeRefused,
+    SafeStop,
     StillHeld,
     Stopped,
     StoreError,
@@ -38,6 +40,7 @@ _OWN_WORDS = (
     DeviceError,
     GripFailed,
     MotionRefused,
+    ResumeRefused,
     StoreError,
     UnreachablePose,
     DslError,
@@ -63,11 +66,13 @@ class Mishap:
         detail: For the log, one line.
         is_expected: Whether it is a failure that the cell or script knows of, after
             which the session can go on.
+        ends_task: Whether the task is over, because nothing may move before a new one.
     """
 
     sentence: str
     detail: str
     is_expected: bool
+    ends_task: bool = False
 
 
 def attempt(work: Callable[[], _R]) -> _R | Mishap:
@@ -79,6 +84,8 @@ def attempt(work: Callable[[], _R]) -> _R | Mishap:
 
 
 def _mishap(error: Exception) -> Mishap:
+    if isinstance(error, SafeStop):
+        return replace(_mishap(error.cause), ends_task=True)
     words = " ".join(str(error).split())
     if isinstance(error, _OWN_WORDS):
         return Mishap(_shorten(words), words, is_expected=True)

@@ -62,7 +62,9 @@ class Session:
         reply = self._written(r.Failure(outcome.sentence))
         _log.warning("%s: %s: %s", self._peer, _shown(line), outcome.detail)
         if not outcome.is_expected:
-            self._task.abandon()
+            self._task.abandon("internal error")
+        elif outcome.ends_task:
+            self._task.abandon("stopped")
         noted = attempt(lambda: self._note(line, reply))
         if isinstance(noted, Mishap):
             _log.error("%s: the session is not recorded on: %s", self._peer, noted.detail)

@@ -172,9 +172,9 @@ class TaskDialogue:
 
     # The end
 
-    def abandon(self) -> None:
-        """End the task after something that nobody foresaw; never raises."""
-        self._drop_run("internal error")
+    def abandon(self, reason: str) -> None:
+        """End the task after a stop, or something that nobody foresaw; never raises."""
+        self._drop_run(reason)
         self._spec = None
         self._turn(Turn.TASK_DROPPED)
 

@@ -55,15 +55,19 @@ class ArmSignals(Protocol):
         """Return whether one output is on."""
 
 
-class Arm(ArmSignals, Protocol):
+class OpenableArm(ArmSignals, Protocol):
+    """An arm that may be brought up and asked, and not moved."""
+
+    def open(self) -> str:
+        """Connect, take control, clear alarms, switch the servos on; return the identity."""
+
+
+class Arm(OpenableArm, Protocol):
     """An arm that moves only when its caller has passed the guard.
 
     Every method raises `DeviceError` when the controller refuses and
     `DeviceTimeout` when it does not answer or does not finish in time.
     """
-
-    def open(self) -> str:
-        """Connect, take control, clear alarms, switch the servos on; return the identity."""
 
     def close(self) -> None:
         """Stop, switch the servos off, give control back, disconnect."""

@@ -1,0 +1,1 @@
+"""What the cell does about faults: the policy, who is to blame, and the check before going on."""
