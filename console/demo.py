@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from console.exits import Exit
-from console.options import AsJson
+from console.options import AsJson, TwinWiresOption
 from console.output import put, put_json, say, styled
 from console.places import pictures_folder, recordings_folder
 
 if TYPE_CHECKING:
+    from cell.assembly.wires import TwinWires
     from console.episodes import Episode
     from sessions.client import ActionReply, MasClient, View
 
@@ -22,7 +23,7 @@ _SCRIPT = "mash"
 _PROFILE = "mash"
 
 
-def demo(*, seed: int = 1, as_json: AsJson = False) -> int:
+def demo(*, seed: int = 1, wires: TwinWiresOption = "memory", as_json: AsJson = False) -> int:
     """Play a whole experiment on the twin, record it, and prove that it repeats.
 
     Serves the shipped script on a cell of its own, plays ReachRedCube in STATIC_12x12 over
@@ -31,6 +32,8 @@ def demo(*, seed: int = 1, as_json: AsJson = False) -> int:
 
     Args:
         seed: Seed of the session.
+        wires: How drivers reach the emulated devices: joined in memory, or through
+            pseudo-terminals that are opened like ports.
         as_json: Write JSON for programs.
     """
     from console.sessions import put_report
@@ -38,7 +41,7 @@ def demo(*, seed: int = 1, as_json: AsJson = False) -> int:
     from sessions.verify import verify
 
     with tempfile.TemporaryDirectory(prefix="robocell-demo-") as state:
-        path, episode, pictures = _serve_and_play(Path(state), seed)
+        path, episode, pictures = _serve_and_play(Path(state), seed, wires)
     say(f"recorded {path} ({path.stat().st_size / 1e6:.1f} MB); replaying it on a fresh twin ...")
     report = verify(SessionRecording.open(path))
     is_done = report.is_identical and episode.outcome == "finished"
@@ -46,7 +49,9 @@ def demo(*, seed: int = 1, as_json: AsJson = False) -> int:
         put_json(
             {
                 "outcome": episode.outcome,
+                "wires": wires,
                 "steps": episode.steps,
+                "steps_per_s": episode.steps_per_s,
                 "reward": episode.reward,
                 "actions": episode.actions,
                 "rewards": episode.rewards,
@@ -64,7 +69,7 @@ def demo(*, seed: int = 1, as_json: AsJson = False) -> int:
     return Exit.DONE if is_done else Exit.FAILED
 
 
-def _serve_and_play(state: Path, seed: int) -> tuple[Path, Episode, list[Path]]:
+def _serve_and_play(state: Path, seed: int, wires: TwinWires) -> tuple[Path, Episode, list[Path]]:
     """Serve a fresh cell, play against it, and return recording, episode and pictures."""
     from cell.clock import SimulatedClock
     from cell.profile import parse_profile, profile_text
@@ -83,6 +88,7 @@ def _serve_and_play(state: Path, seed: int) -> tuple[Path, Episode, list[Path]]:
         clock=SimulatedClock(),
         state_folder=state,
         recordings=recordings_folder(),
+        wires=wires,
     )
     try:
         listener = Listener("127.0.0.1", 0, profile.server.dialect)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
@@ -11,4 +11,15 @@ AsJson: TypeAlias = Annotated[
 ]
 ProfileName: TypeAlias = Annotated[
     str, Parameter(name="--profile", help="Name of a shipped profile, or the path of one.")
+]
+TwinWiresOption: TypeAlias = Annotated[
+    Literal["memory", "pty"],
+    Parameter(name="--wires", help="How emulated devices are reached."),
+]
+WiresOption: TypeAlias = Annotated[
+    Literal["memory", "pty", "hardware"],
+    Parameter(
+        name="--wires",
+        help="Emulated devices in memory or behind pseudo-terminals, or the profile's ports.",
+    ),
 ]

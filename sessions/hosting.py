@@ -1,20 +1,25 @@
-"""Puts a script, a twin cell, a desk and a recorder together: what a server serves."""
+"""Puts a script, a cell, a desk and a recorder together: what a server serves."""
 
 from __future__ import annotations
 
 import gc
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import cv2
 
-from cell.assembly import assemble_twin
+from cell.assembly import assemble_hardware, assemble_twin
+from cell.assembly.wires import TwinWires
 from cell.clock import Clock
+from cell.devices.camera import Camera
+from cell.devices.display import Screen
 from cell.events import EventBus
 from cell.profile import Profile
+from cell.robot_cell import RobotCell
 from cell.store import StorePlan, StoreSlot
 from cell.twin_cell import TwinCell
 from sessions.binding import check_servable
@@ -26,15 +31,18 @@ from sessions.recording import PictureStorage, RecorderFactory, SwitchedTap, new
 _PACKAGES = ("robocell", "numpy", "opencv-python-headless", "mcap", "pydantic", "lark")
 
 
-@dataclass(frozen=True, slots=True)
-class Hosted:
+CellT = TypeVar("CellT", bound=RobotCell)
+
+
+@dataclass(frozen=True)
+class Hosted(Generic[CellT]):
     """A cell and its desk; `close` gives everything back."""
 
-    cell: TwinCell
+    cell: CellT
     desk: Desk
 
     def close(self) -> None:
-        """Switch everything off and give back the ledger and the cell's lock."""
+        """Switch everything off and give back the ledger, the wires and the cell's lock."""
         self.cell.dispose()
 
 
@@ -48,7 +56,8 @@ def host_twin(
     state_folder: Path | None = None,
     recordings: Path | None = None,
     views: PictureStorage = "jpeg",
-) -> Hosted:
+    wires: TwinWires = "memory",
+) -> Hosted[TwinCell]:
     """Put a twin cell and its desk together.
 
     Args:
@@ -60,6 +69,7 @@ def host_twin(
         state_folder: Where world and ledger are kept; None keeps them in memory.
         recordings: Where sessions are recorded; None records nothing.
         views: How recorded pictures are kept.
+        wires: How drivers and emulators are joined.
 
     Raises:
         ScriptUnservable: The cell lacks what the script needs.
@@ -67,13 +77,8 @@ def host_twin(
         CellError: What is kept of the cell cannot be used.
     """
     check_servable(script, profile)
-    # One thread renders and one records; a third, of OpenCV's own, is in their way.
-    cv2.setNumThreads(1)
     events = EventBus(clock)
     tap = SwitchedTap()
-    journals: Callable[[SessionStart], Journal] = _unrecorded
-    if recordings is not None:
-        journals = RecorderFactory(recordings, events, clock, views, tap=tap)
     cell = assemble_twin(
         profile,
         store_plan(script),
@@ -82,8 +87,85 @@ def host_twin(
         state_folder=state_folder,
         tap=None if recordings is None else tap,
         events=events,
+        wires=wires,
     )
-    desk = Desk(
+    journals = _journals(recordings, events, clock, views, tap)
+    return Hosted(cell, _desk(cell, script, profile, profile_text, events, seed, journals))
+
+
+def host_hardware(
+    script: CellScript,
+    profile: Profile,
+    profile_text: str,
+    *,
+    seed: int,
+    clock: Clock,
+    state_folder: Path,
+    screen: Screen,
+    cameras: Mapping[str, Camera],
+    recordings: Path | None = None,
+    views: PictureStorage = "jpeg",
+) -> Hosted[RobotCell]:
+    """Put a cell on the ports of its profile and its desk together.
+
+    Args:
+        script: The script to serve.
+        profile: The cell's profile.
+        profile_text: Its TOML text, for recordings.
+        seed: Seed of the first session, from which those of the others follow.
+        clock: Real time.
+        state_folder: Where ledger and lock are kept.
+        screen: What puts pictures on the display.
+        cameras: The cameras by name.
+        recordings: Where sessions are recorded; None records nothing.
+        views: How recorded pictures are kept.
+
+    Raises:
+        ScriptUnservable: The cell lacks what the script needs.
+        StillHeld: Another process has this cell.
+        CellError: What is kept of the cell cannot be used.
+    """
+    check_servable(script, profile)
+    events = EventBus(clock)
+    tap = SwitchedTap()
+    cell = assemble_hardware(
+        profile,
+        store_plan(script),
+        clock=clock,
+        state_folder=state_folder,
+        screen=screen,
+        cameras=cameras,
+        tap=None if recordings is None else tap,
+        events=events,
+    )
+    journals = _journals(recordings, events, clock, views, tap)
+    return Hosted(cell, _desk(cell, script, profile, profile_text, events, seed, journals))
+
+
+def _journals(
+    recordings: Path | None,
+    events: EventBus,
+    clock: Clock,
+    views: PictureStorage,
+    tap: SwitchedTap,
+) -> Callable[[SessionStart], Journal]:
+    if recordings is None:
+        return _unrecorded
+    return RecorderFactory(recordings, events, clock, views, tap=tap)
+
+
+def _desk(
+    cell: RobotCell,
+    script: CellScript,
+    profile: Profile,
+    profile_text: str,
+    events: EventBus,
+    seed: int,
+    journals: Callable[[SessionStart], Journal],
+) -> Desk:
+    # One thread renders or looks and one records; a third, of OpenCV's own, is in their way.
+    cv2.setNumThreads(1)
+    return Desk(
         cell,
         script,
         profile,
@@ -94,7 +176,6 @@ def host_twin(
         versions=versions(),
         new_session_id=new_session_id,
     )
-    return Hosted(cell, desk)
 
 
 def store_plan(script: CellScript) -> StorePlan:
