@@ -33,6 +33,7 @@ def make_drivers(
     stop: StopToken,
     *,
     on_warning: Callable[[str], None],
+    on_repeat: Callable[[str, str], None],
 ) -> Drivers:
     """Return the drivers of a profile's devices.
 
@@ -42,10 +43,15 @@ def make_drivers(
         clock: The clock of everything in the cell.
         stop: Ends what takes long.
         on_warning: Told when a driver opens that was never tried on hardware.
+        on_repeat: Told the device and what was wrong, whenever a request is sent again.
     """
     return Drivers(
         arm=MelfaArm(
-            links["arm"], clock, ArmSettings.from_profile(profile.arm), on_warning=on_warning
+            links["arm"],
+            clock,
+            ArmSettings.from_profile(profile.arm),
+            on_warning=on_warning,
+            on_repeat=on_repeat,
         ),
         gripper=SchunkGripper(
             links["gripper"],
@@ -53,11 +59,13 @@ def make_drivers(
             SchunkSettings.from_profile(profile.gripper),
             token=stop,
             on_warning=on_warning,
+            on_repeat=on_repeat,
         ),
         display=SharpDisplay(
             links["display"],
             clock,
             SharpSettings.from_profile(profile.display),
             on_warning=on_warning,
+            on_repeat=on_repeat,
         ),
     )

@@ -18,6 +18,7 @@ from cell.lock import CellLock
 from cell.motion.guard import Guard
 from cell.motion.guarded import GuardedArm
 from cell.profile import Profile
+from cell.reporting import FaultReporter
 from cell.robot_cell import RobotCell
 from cell.stop import StopToken
 from cell.store import StorePlan
@@ -60,7 +61,14 @@ def assemble_hardware(
     stop = StopToken()
     lock = CellLock(state_folder)
     loom = WireLoom.over_ports(profile, clock, tap, stop)
-    drivers = make_drivers(profile, loom.links, clock, stop, on_warning=_warn)
+    drivers = make_drivers(
+        profile,
+        loom.links,
+        clock,
+        stop,
+        on_warning=_warn,
+        on_repeat=FaultReporter(events).repeated,
+    )
 
     def release() -> None:
         loom.close()

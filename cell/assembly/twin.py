@@ -17,6 +17,7 @@ from cell.lock import CellLock
 from cell.motion.guard import Guard
 from cell.motion.guarded import GuardedArm
 from cell.profile import Profile
+from cell.reporting import FaultReporter
 from cell.stop import StopToken
 from cell.store import StorePlan
 from cell.twin.behind import Behind
@@ -70,7 +71,14 @@ def assemble_twin(
         loom = WireLoom.over_pty(profile, devices.wires, clock, tap, stop)
     else:
         loom = WireLoom.in_memory(devices.wires, clock, tap)
-    drivers = make_drivers(profile, loom.links, clock, stop, on_warning=_unheard)
+    drivers = make_drivers(
+        profile,
+        loom.links,
+        clock,
+        stop,
+        on_warning=_unheard,
+        on_repeat=FaultReporter(events).repeated,
+    )
     cameras = _cameras(profile, plan, world, kinematics, clock)
     cell = TwinCell(
         profile,
