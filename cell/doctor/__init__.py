@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from cell.doctor.causes import CAUSES, cause_of
 from cell.doctor.environment import Environment, PageState, PortState, SystemEnvironment
-from cell.doctor.examination import COMPONENTS, Component, examine
+from cell.doctor.examination import COMPONENTS, Component, examine, report_of_invalid_profile
 from cell.doctor.findings import PAGE, Cause, Finding, Fine, Report, Unchecked
 from cell.doctor.patient import OpenLine, Patient
 
@@ -31,4 +31,5 @@ __all__ = [
     "Unchecked",
     "cause_of",
     "examine",
+    "report_of_invalid_profile",
 ]

@@ -33,7 +33,7 @@ from cell.doctor.learned import LearnedPicture
 from cell.doctor.notes import Notes
 from cell.doctor.patient import Patient
 from cell.drivers.melfa_r3.codec import GarbledMessage
-from cell.errors import CellError, DeviceTimeout, LinkError
+from cell.errors import CellError, DeviceTimeout, LinkError, ProfileError
 from cell.profile import Profile
 
 Component = Literal[
@@ -77,6 +77,14 @@ def examine(
     """
     examination = _Examination(environment, Notes(), only, learned or {}, progress)
     return examination.run(profile, meet)
+
+
+def report_of_invalid_profile(error: ProfileError) -> Report:
+    """Return the report on a profile that cannot be read; nothing else can be examined."""
+    notes = Notes()
+    notes.find("profile-invalid", "profile", "the profile cannot be used", str(error))
+    notes.skip("cell", "everything else", "without a profile nobody knows what there should be")
+    return notes.report()
 
 
 class _Examination:

@@ -35,6 +35,7 @@ class Patient:
         is_in_service: Whether the devices are up: then they are expected to be on.
         lattice: Columns and rows of the widest world that is played.
         views: Names of the cameras that the script's views need.
+        riding_cameras: Names of the cameras that hang on the arm.
     """
 
     profile: Profile
@@ -46,6 +47,7 @@ class Patient:
     is_in_service: bool = False
     lattice: tuple[int, int] = (12, 12)
     views: tuple[str, ...] = ()
+    riding_cameras: tuple[str, ...] = ()
 
     @staticmethod
     def of_cell(
@@ -73,4 +75,9 @@ class Patient:
             is_in_service=cell.is_open,
             lattice=lattice,
             views=views,
+            riding_cameras=tuple(
+                name
+                for name, camera in cell.profile.twin.cameras.items()
+                if camera.mount == "flange"
+            ),
         )

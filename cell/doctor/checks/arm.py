@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cell.doctor.notes import Notes
 from cell.doctor.patient import Patient
 from cell.drivers.melfa_r3 import records, tables
@@ -9,7 +11,7 @@ from cell.drivers.melfa_r3.dialogue import Dialogue
 from cell.drivers.melfa_r3.panel import ControlPanel
 from cell.drivers.melfa_r3.settings import ArmSettings
 from cell.drivers.melfa_r3.tables import Run
-from cell.errors import DeviceError
+from cell.errors import DeviceError, LinkError
 from cell.links.base import Link
 from cell.profile import MelfaProfile
 
@@ -29,6 +31,7 @@ _STOPPERS = ((0x2, "the computer"), (0x4, "an input"), (0x8, "the operation pane
 
 _PENDANT = 0x1
 _EMERGENCY_ALARMS = frozenset(alarm for _, alarm, _, _ in _EMERGENCIES)
+_ASIDE_DEG = 0.5
 _SAME = 0.05
 """Parameters are printed with two decimals."""
 
@@ -103,6 +106,15 @@ class ArmExamination:
     def reads_on(self, bit: int) -> bool:
         """Return whether an output reads on."""
         return bool(self.panel.outputs(bit) & 1)
+
+    def stands_at(self, joints_deg: Sequence[float]) -> bool:
+        """Return whether the joints stand at these angles; False where that cannot be told."""
+        try:
+            here = records.joints_of(self.panel.axes("JPOSF"))
+        except (DeviceError, LinkError):
+            return False
+        pairs = zip(here.values, joints_deg, strict=True)
+        return all(abs(is_deg - want_deg) <= _ASIDE_DEG for is_deg, want_deg in pairs)
 
     def _open_session(self) -> None:
         reply = self._dialogue.exchange("STATE")

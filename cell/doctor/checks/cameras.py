@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from cell.devices.camera import MODES, Camera, CameraSettings
+from cell.devices.camera import Camera, CameraSettings
 from cell.devices.camera_configure import wanted
 from cell.devices.camera_features import CameraFeature, is_taken, quantity
 from cell.doctor.checks.lights import Lights
-from cell.doctor.checks.pictures import Look, judge_pictures, look_through
-from cell.doctor.learned import LearnedPicture
+from cell.doctor.checks.pictures import Look, Viewpoint, judge_pictures, look_through
+from cell.doctor.learned import LEARNING_MODE, LearnedPicture
 from cell.doctor.notes import Notes
 from cell.doctor.patient import Patient
 from cell.errors import DeviceError
@@ -47,7 +47,13 @@ def check_cameras(
     looks: list[Look] = []
     for name, camera in patient.cameras.items():
         guard(f"camera {name}", "camera", partial(_examine, patient, name, camera, notes, looks))
-    judge_pictures(looks, set(patient.cameras), learned, notes, dark_because=dark_because)
+    viewpoint = Viewpoint(
+        cameras=frozenset(patient.cameras),
+        riding=frozenset(patient.riding_cameras),
+        is_arm_aside=lights.is_arm_aside(),
+        dark_because=dark_because,
+    )
+    judge_pictures(looks, viewpoint, learned, notes)
 
 
 def _examine(patient: Patient, name: str, camera: Camera, notes: Notes, looks: list[Look]) -> None:
@@ -61,7 +67,7 @@ def _examine(patient: Patient, name: str, camera: Camera, notes: Notes, looks: l
     if not _is_right_one(patient, name, identity.guid, str(identity), notes):
         return
     try:
-        camera.open(MODES[0])
+        camera.open(LEARNING_MODE)
         _check_features(component, camera, patient.profile.cameras[name].settings, notes)
         looks.append(look_through(name, identity.guid, camera))
     except DeviceError as error:

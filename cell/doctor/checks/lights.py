@@ -1,4 +1,4 @@
-"""The lights: what their output reads, and light for the cameras while they are examined."""
+"""The lights: what their output reads, and how the cell is arranged for its cameras."""
 
 from __future__ import annotations
 
@@ -49,6 +49,11 @@ class Lights:
             return "the lights do not come on"
         notes.fine("lights", f"output {bit} comes on")
         return ""
+
+    def is_arm_aside(self) -> bool:
+        """Return whether the arm is known to stand aside, as it does between sessions."""
+        arm = self._arm
+        return arm is not None and arm.stands_at(self._patient.profile.arm.rest_deg)
 
     def restore(self) -> None:
         """Switch the lights off again, if it was the doctor who switched them on.
