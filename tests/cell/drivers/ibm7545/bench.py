@@ -22,6 +22,8 @@ from cell.twin.wire_faults import FaultyEmulator
 CELL = CellProfile.model_validate(
     tomllib.loads((resources.files("cell") / "profiles" / "avrs.toml").read_text("utf-8"))
 )
+if not isinstance(CELL.arm, Ibm7545Profile):
+    raise TypeError("the avrs cell has another arm")
 PROFILE = CELL.arm
 KINEMATICS = ScaraArm.from_profile(PROFILE)
 SETTINGS = ScaraSettings.from_profile(PROFILE)
