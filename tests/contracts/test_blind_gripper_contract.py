@@ -73,6 +73,23 @@ def test_opening_twice_and_closing_twice_is_harmless(play: Player[Rig, Gripper])
     play(scenario)
 
 
+def test_fingers_that_may_not_move_at_opening_stay_limp_until_they_are_referenced(
+    play: Player[Rig, Gripper],
+) -> None:
+    def scenario(bench: FingerBench) -> None:
+        bench.device.open(may_move=False)
+        assert not bench.device.read_state().is_referenced
+        with pytest.raises(DeviceError, match="reference it"):
+            bench.device.move_to(10.0)
+        bench.device.reference()
+        assert bench.device.read_state().is_referenced
+        bench.device.move_to(10.0)
+        bench.device.reference()
+        assert bench.device.read_state().position_mm == pytest.approx(10.0, abs=0.05)
+
+    play(scenario)
+
+
 def test_a_move_returns_when_the_opening_is_commanded(play: Player[Rig, Gripper]) -> None:
     def scenario(bench: FingerBench) -> None:
         bench.device.open()
@@ -157,7 +174,9 @@ def test_a_restarted_controller_is_noticed_and_needs_opening_again(
             bench.rig.emulator.cut_power(bench.rig.clock.now_s())
             bench.rig.emulator.restore_power(bench.rig.clock.now_s())
             bench.rig.clock.sleep(1.0)
-        with pytest.raises(DeviceError, match="since its power-up.*open the gripper again"):
+        with pytest.raises(
+            DeviceError, match="since its power-up.*open the gripper again or reference it"
+        ):
             bench.device.move_to(10.0)
         assert not bench.device.read_state().is_referenced
         bench.device.open()

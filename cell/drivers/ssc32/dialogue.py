@@ -8,6 +8,7 @@ is thrown away, and a strange or missing answer is asked for again.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -21,15 +22,39 @@ from cell.links.base import Link
 
 T = TypeVar("T")
 
+_log = logging.getLogger(__name__)
+
 _SILENT_HINT = "check the controller's logic supply, its cable, the port and the baud rate"
 _MAX_STALE_READS = 64
 _MAX_TEXT_BYTES = 80
 
 
-class Dialogue:
-    """One talk with one controller; used by one thread at a time."""
+def log_repeat(device: str, problem: str) -> None:
+    """Log that a question is asked again."""
+    _log.info("%s: %s; asking again", device, problem)
 
-    def __init__(self, link: Link, clock: Clock, device: str, settings: LineSettings) -> None:
+
+class Dialogue:
+    """One talk with one controller; used by one thread at a time.
+
+    Args:
+        link: The line to the controller.
+        clock: What deadlines are measured with.
+        device: Name of the device in messages.
+        settings: Patience.
+        on_repeat: Told device and problem when a question is asked again.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        device: str,
+        settings: LineSettings,
+        *,
+        on_repeat: Callable[[str, str], None] = log_repeat,
+    ) -> None:
+        self._on_repeat = on_repeat
         self._link = link
         self._clock = clock
         self._settings = settings
@@ -68,6 +93,8 @@ class Dialogue:
         request = self._encoded(command)
         failure: DeviceError | None = None
         for _ in range(self._settings.attempts):
+            if failure is not None:
+                self._on_repeat(self.device, failure.problem)
             self._drop_stale()
             self._link.write(request)
             try:

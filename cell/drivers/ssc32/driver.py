@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from cell.clock import Clock
 from cell.devices.arm import ArmState, Interpolation
 from cell.drivers.ssc32.commands import Move, ServoTarget
-from cell.drivers.ssc32.dialogue import Dialogue
+from cell.drivers.ssc32.dialogue import Dialogue, log_repeat
 from cell.drivers.ssc32.line import straight_line
 from cell.drivers.ssc32.panel import ServoPanel
 from cell.drivers.ssc32.settings import Ssc32Settings
@@ -65,6 +65,7 @@ class Ssc32Arm:
         settings: Figures of the cell and patience.
         kinematics: The arm's geometry and limits.
         on_warning: Told what a technician should know although nothing failed.
+        on_repeat: Told device and problem when a question is asked again.
         token: Asked, if given, during every motion; a stop ends it.
     """
 
@@ -76,6 +77,7 @@ class Ssc32Arm:
         kinematics: LynxArm,
         *,
         on_warning: Callable[[str], None] = _log_warning,
+        on_repeat: Callable[[str, str], None] = log_repeat,
         token: StopToken | None = None,
     ) -> None:
         self._clock = clock
@@ -91,7 +93,9 @@ class Ssc32Arm:
         self._is_first_pose_confirmed = False
         self._linear_speed_mm_s = settings.linear_speed_mm_s
         self._joint_share = settings.joint_speed_percent / 100.0
-        self.panel = ServoPanel(Dialogue(link, clock, link.name, settings.line))
+        self.panel = ServoPanel(
+            Dialogue(link, clock, link.name, settings.line, on_repeat=on_repeat)
+        )
 
     # In and out of service
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from cell.clock import Clock
 from cell.devices.gripper import GripperState, GripResult
 from cell.drivers.ssc32.commands import Move, ServoTarget
-from cell.drivers.ssc32.dialogue import Dialogue
+from cell.drivers.ssc32.dialogue import Dialogue, log_repeat
 from cell.drivers.ssc32.panel import ServoPanel
 from cell.drivers.ssc32.settings import FingerSettings
 from cell.drivers.ssc32.tables import QUERY_UNIT_US
@@ -30,7 +30,7 @@ _BLIND = (
     "nothing measures these fingers: the opening told is the commanded one, a grip always "
     "counts as holding, and a grip current changes nothing; let a camera see what is held"
 )
-_OPEN_HINT = "open the gripper again; its first move jumps"
+_OPEN_HINT = "open the gripper again or reference it; its first move jumps"
 
 
 def _log_warning(text: str) -> None:
@@ -45,6 +45,7 @@ class Ssc32Gripper:
         clock: What deadlines are measured with.
         settings: Figures of the fingers and patience.
         on_warning: Told what a technician should know although nothing failed.
+        on_repeat: Told device and problem when a question is asked again.
         token: Asked, if given, during every motion; a stop ends it.
     """
 
@@ -55,6 +56,7 @@ class Ssc32Gripper:
         settings: FingerSettings,
         *,
         on_warning: Callable[[str], None] = _log_warning,
+        on_repeat: Callable[[str, str], None] = log_repeat,
         token: StopToken | None = None,
     ) -> None:
         self._clock = clock
@@ -64,13 +66,18 @@ class Ssc32Gripper:
         self._channel = settings.servo.channel
         self._sent_us: int | None = None
         self._identity = ""
-        self.panel = ServoPanel(Dialogue(link, clock, settings.device, settings.line))
+        self.panel = ServoPanel(
+            Dialogue(link, clock, settings.device, settings.line, on_repeat=on_repeat)
+        )
 
-    def open(self) -> str:
+    def open(self, *, may_move: bool = True) -> str:
         """Take the fingers into service; opening again is harmless.
 
         If they were never moved since power-up, they jump to their open position, after a
         warning: a servo's first move knows no speed.
+
+        Args:
+            may_move: Whether they may; when not, they stay limp until `reference`.
 
         Raises:
             DeviceError: The fingers get no pulses, or an answer is strange.
@@ -85,15 +92,8 @@ class Ssc32Gripper:
         servo = settings.servo
         if servo.offset_us:
             self.panel.set_offsets(((servo.channel, servo.offset_us),))
-        pulse_us = self._pulse_us()
-        if not pulse_us:
-            self._on_warning(
-                f"{settings.device}: no pulse since the controller's start; the fingers jump to "
-                f"{settings.open_mm:g} mm now and drop what they hold"
-            )
-            self._send(settings.open_mm, 0)
-            self._clock.sleep(settings.first_s)
-            pulse_us = self._require_pulse()
+        if not self._pulse_us() and may_move:
+            self.reference()
         self._identity = f"fingers on servo channel {self._channel}"
         return self._identity
 
@@ -109,6 +109,26 @@ class Ssc32Gripper:
             self.stop()
         except DeviceTimeout as error:
             self._on_warning(f"{error}; closed all the same")
+
+    def reference(self) -> None:
+        """Give the fingers a known opening, the open one; there is no zero position to find.
+
+        Fingers that have pulses already know theirs, and stay.
+
+        Raises:
+            DeviceError: The fingers get no pulses, or an answer is strange.
+            DeviceTimeout: The controller does not answer.
+        """
+        if self._pulse_us():
+            return
+        settings = self._settings
+        self._on_warning(
+            f"{settings.device}: no pulse since the controller's power-up; the fingers jump to "
+            f"{settings.open_mm:g} mm now and drop what they hold"
+        )
+        self._send(settings.open_mm, 0)
+        self._clock.sleep(settings.first_s)
+        self._require_pulse()
 
     def move_to(self, opening_mm: float) -> None:
         """Move the fingers to an opening and return when the servo is told to be there.
@@ -272,7 +292,6 @@ class Ssc32Gripper:
         pulse_us = self._pulse_us()
         if not pulse_us:
             self._sent_us = None
-            self._identity = ""
             raise DeviceError(self._settings.device, self._no_pulse(), hint=_OPEN_HINT)
         return pulse_us
 

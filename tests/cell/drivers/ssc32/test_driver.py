@@ -387,3 +387,22 @@ def _down(reach_mm: float, direction_deg: float, z_mm: float, c_deg: float) -> P
     heading = math.radians(direction_deg)
     x_mm, y_mm = reach_mm * math.cos(heading), reach_mm * math.sin(heading)
     return Pose(x_mm, y_mm, z_mm, 180.0, 0.0, c_deg)
+
+
+def test_a_question_that_is_asked_again_is_told() -> None:
+    rig = _above_rig()
+    faulty = FaultyEmulator(rig.emulator)
+    told: list[tuple[str, str]] = []
+    arm = Ssc32Arm(
+        MemoryLink("arm", faulty, rig.clock),
+        rig.clock,
+        SETTINGS,
+        KINEMATICS,
+        on_warning=lambda text: None,
+        on_repeat=lambda device, problem: told.append((device, problem)),
+    )
+    faulty.inject(WireFault.LOST)
+    assert arm.read_joints().values == pytest.approx(ABOVE.values, abs=0.6)
+    assert len(told) == 1
+    assert told[0][0] == "arm"
+    assert "gave no answer to QP0QP1QP2QP3QP5" in told[0][1]
