@@ -47,7 +47,12 @@ def emulate_devices(
         kinematics: The arm's kinematics.
         seed: Seed of what is random when a wire fails.
     """
-    controller = MelfaController(world, kinematics, ControllerSettings.from_profile(profile.arm))
+    controller = MelfaController(
+        world,
+        kinematics,
+        ControllerSettings.from_profile(profile.arm),
+        outputs_on=[bit for bit, is_on in world.outputs.items() if is_on],
+    )
     module = SchunkModule(
         TwinFingers(world),
         SchunkModuleSettings.from_profile(profile.gripper),

@@ -8,6 +8,7 @@ controller has thought.
 from __future__ import annotations
 
 from bisect import insort
+from collections.abc import Iterable
 
 from cell.drivers.melfa_r3 import tables
 from cell.drivers.melfa_r3.codec import (
@@ -36,22 +37,32 @@ class MelfaController:
         body: The arm's mechanics in the twin.
         kinematics: The arm's kinematics, for the tool of the settings.
         settings: Who it is, its limits, speeds and delays.
+        outputs_on: Outputs that are on already, as those of a controller that stayed on.
     """
 
     def __init__(
-        self, body: ArmBody, kinematics: ArmKinematics, settings: ControllerSettings
+        self,
+        body: ArmBody,
+        kinematics: ArmKinematics,
+        settings: ControllerSettings,
+        *,
+        outputs_on: Iterable[int] = (),
     ) -> None:
         self._settings = settings
         self._commands = Commands(body, Planner(kinematics, settings), settings)
+        self._commands.state.outputs.update(outputs_on)
         self._reader = LineReader(MAX_REQUEST_BYTES)
         self._outbox: list[tuple[float, bytes]] = []
         self._wire_free_s = 0.0
         self._is_silent = False
         self._injected: bytes | None = None
         self._delay_s = 0.0
+        self._boots_until_s = 0.0
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take bytes that arrive at `now_s`."""
+        """Take bytes that arrive at `now_s`; without power, or while it starts, they are lost."""
+        if now_s < self._boots_until_s:
+            return
         for line in self._reader.feed(data):
             heard_s = now_s + (len(line) + 1) * self._settings.byte_s
             at_s = heard_s + self._settings.processing_s
@@ -112,6 +123,19 @@ class MelfaController:
         """Press the panel's STOP: the motion ends without an alarm."""
         self._commands.runner.is_running = False
         self._commands.mechanism.brake(now_s)
+
+    def lose_power(self, now_s: float, *, for_s: float = 1.0) -> None:
+        """Take the mains away and give it back: the brakes fall in, outputs fall, all is forgotten.
+
+        Args:
+            now_s: When the mains goes.
+            for_s: How long until the controller answers again, its start included.
+        """
+        self._advance(now_s)
+        self._commands.lose_power(now_s)
+        self._reader.clear()
+        self._outbox.clear()
+        self._boots_until_s = now_s + for_s
 
     def set_input(self, bit: int, *, is_on: bool) -> None:
         """Switch one input of the controller."""

@@ -1,0 +1,241 @@
+"""What all commands by hand have in common: the cell, its wires, Ctrl-C, refusals."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from console.exits import ConsoleError, Exit
+from console.output import put, put_json, say
+from console.places import cell_folder
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from cell.by_hand import ByHand
+    from cell.clock import Clock
+    from cell.errors import CellError
+    from cell.links.base import Direction, Link, Tap
+    from cell.profile import Profile
+    from cell.robot_cell import RobotCell
+    from cell.store import StorePlan
+
+Wires = Literal["memory", "pty", "hardware"]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class HandOptions:
+    """Options of every command by hand."""
+
+    profile: Annotated[str, Parameter(help="Name of a profile, or the path of one.")] = "mash"
+    script: Annotated[
+        str, Parameter(help="Script whose store it is; path, or the name of a shipped one.")
+    ] = "mash"
+    wires: Annotated[
+        Wires,
+        Parameter(
+            help="How devices are reached: emulated in memory, emulated behind "
+            "pseudo-terminals, or the ports of the profile."
+        ),
+    ] = "memory"
+    real_time: Annotated[
+        bool,
+        Parameter(negative="", help="Let the twin move as fast as the arm would."),
+    ] = False
+    show_wire: Annotated[
+        bool, Parameter(negative="", help="Show every byte on every wire, on stderr.")
+    ] = False
+    as_json: Annotated[
+        bool, Parameter(name="--json", negative="", help="Write JSON for programs.")
+    ] = False
+
+
+DEFAULTS = HandOptions()
+
+
+def by_hand(options: HandOptions, work: Callable[[ByHand], int | None]) -> int:
+    """Do something by hand with a cell, and put the cell back afterwards.
+
+    Ctrl-C and SIGTERM stop the arm at once and end the command with code 130.
+
+    Returns:
+        The exit code; 1 where the guard, the store or the fingers said no.
+    """
+    from cell.by_hand import ByHand
+    from cell.errors import CellError, Stopped
+
+    cell = _assemble(options)
+    hands = ByHand(cell)
+    with _stopping(cell) as asked:
+        try:
+            code = work(hands) or Exit.DONE
+        except CellError as error:
+            if asked or isinstance(error, Stopped):
+                return _stopped(hands, asked)
+            return _refused(error, options)
+        finally:
+            _put_back(hands, cell, options)
+    return Exit.INTERRUPTED if asked else code
+
+
+def _refused(error: CellError, options: HandOptions) -> int:
+    """Tell a refusal and return exit code 1; any other error goes its way."""
+    from cell.errors import (
+        GripFailed,
+        LedgerError,
+        MotionRefused,
+        StoreError,
+        UnreachablePose,
+        VisionError,
+    )
+
+    said_no = (MotionRefused, UnreachablePose, StoreError, GripFailed, VisionError, LedgerError)
+    if not isinstance(error, said_no):
+        raise error
+    if options.as_json:
+        told: dict[str, object] = {"refused": str(error)}
+        if isinstance(error, (MotionRefused, UnreachablePose)):
+            told |= {
+                "what": error.what,
+                "value": error.value,
+                "limit": error.limit,
+                "unit": error.unit,
+            }
+        if isinstance(error, MotionRefused):
+            told |= {"nearest": error.nearest, "nearest_point_mm": error.nearest_point_mm}
+        put_json(told)
+    raise ConsoleError(str(error), Exit.FAILED) from error
+
+
+def _stopped(hands: ByHand, asked: list[str]) -> int:
+    for failure in hands.stop_everything():
+        say(f"could not stop: {failure}", "red")
+    say(f"stopped: {asked[0] if asked else 'a stop was asked for'}; the arm stands still", "yellow")
+    return Exit.INTERRUPTED
+
+
+def _put_back(hands: ByHand, cell: RobotCell, options: HandOptions) -> None:
+    from cell.twin.keeping import WorldFile
+    from cell.twin_cell import TwinCell
+
+    try:
+        for failure in hands.put_back():
+            say(f"could not be closed: {failure}", "yellow")
+        if isinstance(cell, TwinCell):
+            folder = cell_folder(cell.profile.name)
+            WorldFile(folder / "world.json").save(cell.world, cell.clock.now_s())
+    finally:
+        cell.dispose()
+
+
+@contextmanager
+def _stopping(cell: RobotCell) -> Iterator[list[str]]:
+    """Turn the first Ctrl-C into a safe stop: what drives the arm sees it as a fault.
+
+    A fault in the middle of a motion makes the guarded arm send STOP before it is told to
+    anybody. Whatever comes after the first only waits for that.
+    """
+    from cell.errors import Stopped
+
+    asked: list[str] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if asked:
+            return
+        asked.append("Ctrl-C" if number == signal.SIGINT else "asked to end")
+        cell.stop.stop(asked[0])
+        raise Stopped(asked[0])
+
+    before = {n: signal.signal(n, stop) for n in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield asked
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _assemble(options: HandOptions) -> RobotCell:
+    from cell.assembly import assemble_twin
+    from cell.clock import SimulatedClock, SystemClock
+    from cell.profile import load_profile
+    from console.scripts import load_script
+    from sessions.hosting import store_plan
+
+    profile = load_profile(options.profile)
+    plan = store_plan(load_script(options.script))
+    folder = cell_folder(profile.name)
+    tap = _show_wire if options.show_wire else None
+    if options.wires == "hardware":
+        return _assemble_hardware(profile, plan, folder, tap)
+    clock: Clock = SystemClock() if options.real_time else SimulatedClock()
+    return assemble_twin(
+        profile, plan, seed=0, clock=clock, state_folder=folder, tap=tap, wires=options.wires
+    )
+
+
+def _assemble_hardware(
+    profile: Profile, plan: StorePlan, folder: Path, tap: Tap | None
+) -> RobotCell:
+    from cell.assembly import assemble_hardware
+    from cell.clock import SystemClock
+    from console.hand_screen import HandScreen
+
+    logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(message)s")
+    return assemble_hardware(
+        profile,
+        plan,
+        clock=SystemClock(),
+        state_folder=folder,
+        screen=HandScreen(profile.display, folder),
+        cameras={},
+        tap=tap,
+    )
+
+
+def _show_wire(link: str, direction: Direction, data: bytes) -> None:
+    arrow = ">" if direction == "to_device" else "<"
+    is_text = all(32 <= byte < 127 or byte in b"\r\n" for byte in data)
+    shown = repr(data.decode("ascii"))[1:-1] if is_text else data.hex(" ")
+    print(f"{link} {arrow} {shown}", file=sys.stderr, flush=True)
+
+
+def gripper_line(cell: RobotCell) -> Link:
+    """Return a line of its own to the gripper, beside the one that its driver has."""
+    from cell.links.memory import MemoryLink
+    from cell.links.opening import open_wire
+    from cell.twin_cell import TwinCell
+
+    if isinstance(cell, TwinCell):
+        return MemoryLink("gripper", cell.behind.wires["gripper"], cell.clock)
+    return open_wire("gripper", cell.profile.gripper.serial)
+
+
+def tell(told: dict[str, object], text: str, options: HandOptions) -> None:
+    """Write what came of a command: as data if that was asked for, else as text."""
+    if options.as_json:
+        put_json(told)
+    else:
+        put(text)
+
+
+def as_lines(told: dict[str, object]) -> str:
+    """Return facts as text, one a line."""
+    width = max(len(name) for name in told)
+    return "\n".join(f"{k.replace('_', ' '):{width}}  {_word(v)}" for k, v in told.items())
+
+
+def _word(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.2f}"
+    return f"{value}" if value not in ("", None) else "-"

@@ -1,0 +1,389 @@
+"""`cell robot`: the arm by hand, every motion through the guard."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import App, Parameter
+
+from console.exits import ConsoleError
+from console.hand import DEFAULTS, HandOptions, as_lines, by_hand, tell
+from console.hand_speed import keep_speed, kept_speed
+from console.output import put, put_json, say
+
+if TYPE_CHECKING:
+    from cell.by_hand import ByHand
+    from cell.geometry import JointPositions, Pose
+
+app = App(name="robot")
+
+_AXIS = re.compile(r"[xyz]|j[1-9]", re.IGNORECASE)
+Rotation = Annotated[float, Parameter(help="Turn of the gripper about the vertical, deg.")]
+
+
+@app.command(name="open")
+def open_arm(
+    *,
+    keep: Annotated[bool, Parameter(negative="", help="Leave the servos on.")] = False,
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Bring the arm up: alarms cleared, servos on; tell who it is and where it stands.
+
+    Args:
+        keep: Whether the servos stay on when the command ends.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        say("bringing the arm up ...")
+        identity = hands.bring_up_arm(leave_on=keep)
+        pose = hands.cell.read_pose()
+        if options.as_json:
+            put_json({"identity": identity, "pose": _pose_json(pose), "servos_stay_on": keep})
+        else:
+            put(f"{identity}\nat {pose}")
+            say("the servos stay on" if keep else "the servos go off again (--keep leaves them on)")
+
+    return by_hand(options, work)
+
+
+@app.command(name="close")
+def close_arm(*, options: HandOptions = DEFAULTS) -> int:
+    """Stop the arm, switch its servos off, and give control back.
+
+    Args:
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.bring_up_arm()
+        tell({"closed": True}, "the servos are off", options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def pose(*, options: HandOptions = DEFAULTS) -> int:
+    """Tell where the tool point is.
+
+    Args:
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.reach_controller()
+        here = hands.cell.read_pose()
+        tell(_pose_json(here), str(here), options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def joints(
+    *values: Annotated[float, Parameter(negative=(), help="Where each joint shall go, J1 first.")],
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Tell where the joints are; with a value for each, move them there.
+
+    Args:
+        values: Where each joint shall go, deg (mm for one that slides); J1 first.
+        options: Options of every command by hand.
+    """
+    from cell.geometry import JointPositions
+
+    def work(hands: ByHand) -> None:
+        if values:
+            _require_joints(len(values), hands)
+            _motion(hands, options, lambda: hands.cell.move_joints(JointPositions(values)))
+            return
+        hands.reach_controller()
+        here = hands.cell.arm.arm.read_joints()
+        tell(_joints_json(here), _joints_text(here), options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def move(
+    x_mm: float,
+    y_mm: float,
+    z_mm: float = 200.0,
+    /,
+    *,
+    rotation: Rotation = 180.0,
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Move the tool point, gripper down, to a place in the robot frame.
+
+    In a straight line at the same height; otherwise up to the service height, over, and down.
+
+    Args:
+        x_mm: Robot x.
+        y_mm: Robot y.
+        z_mm: Height above the robot's base plane.
+        rotation: Turn of the gripper about the vertical, deg.
+        options: Options of every command by hand.
+    """
+    return by_hand(
+        options,
+        lambda hands: _motion(
+            hands, options, lambda: hands.cell.move_to(x_mm, y_mm, z_mm, rotation)
+        ),
+    )
+
+
+@app.command
+def lattice(
+    x: int,
+    y: int,
+    /,
+    *,
+    height: Annotated[float, Parameter(help="Height of the tool point, mm.")] = 200.0,
+    rotation: Rotation = 180.0,
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Move the tool point over a point of the lattice.
+
+    Args:
+        x: Lattice x.
+        y: Lattice y.
+        height: Height of the tool point above the robot's base plane, mm.
+        rotation: Turn of the gripper about the vertical, deg.
+        options: Options of every command by hand.
+    """
+    return by_hand(
+        options,
+        lambda hands: _motion(
+            hands, options, lambda: hands.cell.move_to_lattice(x, y, height, rotation)
+        ),
+    )
+
+
+@app.command
+def jog(
+    axis: str, step: Annotated[float, Parameter(allow_leading_hyphen=True)], /, *,
+    options: HandOptions = DEFAULTS,
+) -> int:  # fmt: skip
+    """Move a little along x, y or z (mm, a straight line), or one joint (j1 to j6, deg).
+
+    Args:
+        axis: x, y, z, or j1, j2, ...
+        step: How far, mm or deg; less than 0 for the other way.
+        options: Options of every command by hand.
+    """
+    if not _AXIS.fullmatch(axis):
+        raise ConsoleError(f"{axis!r} is no axis; x, y, z and j1, j2, ... are")
+
+    def work(hands: ByHand) -> None:
+        if axis.lower().startswith("j"):
+            number = int(axis[1:])
+            _motion(hands, options, lambda: _jog_joint(hands, number, step))
+        else:
+            _motion(hands, options, lambda: _jog_line(hands, axis.lower(), step))
+
+    return by_hand(options, work)
+
+
+@app.command
+def speed(
+    speed_mm_s: float | None = None,
+    joint_percent: float | None = None,
+    /,
+    *,
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Tell the speed of moves by hand, or set it for all later ones.
+
+    Args:
+        speed_mm_s: Speed of the tool point along lines.
+        joint_percent: Share of full speed in joint moves; as before unless given.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        line, share = kept_speed(hands.cell.profile)
+        if speed_mm_s is not None:
+            line, share = speed_mm_s, joint_percent if joint_percent is not None else share
+            hands.bring_up_arm()
+            hands.cell.set_speed(line, share)
+            keep_speed(hands.cell.profile, line, share)
+        tell(
+            {"speed_mm_s": line, "joint_percent": share},
+            f"{line:g} mm/s along lines, {share:g} % of full speed in joint moves",
+            options,
+        )
+
+    return by_hand(options, work)
+
+
+@app.command
+def rest(*, options: HandOptions = DEFAULTS) -> int:
+    """Stand aside, out of every camera's way, all joints at once.
+
+    Args:
+        options: Options of every command by hand.
+    """
+    return by_hand(options, lambda hands: _motion(hands, options, hands.cell.arm.rest))
+
+
+@app.command
+def home(*, options: HandOptions = DEFAULTS) -> int:
+    """Go straight up to the service height first, then stand aside.
+
+    Args:
+        options: Options of every command by hand.
+    """
+
+    def go(hands: ByHand) -> None:
+        hands.cell.arm.raise_to(hands.cell.profile.heights.service_mm)
+        hands.cell.arm.rest()
+
+    return by_hand(options, lambda hands: _motion(hands, options, lambda: go(hands)))
+
+
+@app.command
+def alarm(
+    *,
+    reset: Annotated[
+        bool, Parameter(negative="", help="Clear an alarm whose cause is gone.")
+    ] = False,
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Tell the active alarm, or clear it.
+
+    Args:
+        reset: Whether it is cleared.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.reach_controller()
+        if reset:
+            hands.cell.arm.arm.reset_alarm()
+        state = hands.cell.arm.arm.read_state()
+        text = f"alarm {state.alarm}: {state.alarm_text}" if state.alarm else "no alarm"
+        tell({"alarm": state.alarm, "text": state.alarm_text}, text, options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def stop(*, options: HandOptions = DEFAULTS) -> int:
+    """Stop any motion of the arm now.
+
+    It does not replace the emergency stop: the controller must hear it.
+
+    Args:
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.reach_controller()
+        hands.cell.arm.arm.stop()
+        tell({"stopped": True}, "the arm stands still", options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def state(*, options: HandOptions = DEFAULTS) -> int:
+    """Tell the controller's state: servos, motion, key switch, emergency stop, alarm.
+
+    Args:
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.reach_controller()
+        now = hands.cell.arm.arm.read_state()
+        told: dict[str, object] = {
+            "servos_on": now.is_servo_on,
+            "moving": now.is_moving,
+            "automatic": now.is_automatic,
+            "emergency_stop": now.is_emergency_stopped,
+            "alarm": now.alarm,
+            "alarm_text": now.alarm_text,
+            "override_percent": now.override_percent,
+        }
+        tell(told, as_lines(told), options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def magnet(switch: Literal["on", "off"], /, *, options: HandOptions = DEFAULTS) -> int:
+    """Switch the electromagnet (tool 2).
+
+    Args:
+        switch: on or off.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.take_right()
+        hands.cell.switch_magnet(is_on=switch == "on")
+        tell({"magnet": switch}, f"the magnet is {switch}", options)
+
+    return by_hand(options, work)
+
+
+def _motion(hands: ByHand, options: HandOptions, go: Callable[[], None]) -> None:
+    """Bring the arm up, let it go, and tell where it stands then."""
+    hands.bring_up_arm()
+    hands.cell.set_speed(*kept_speed(hands.cell.profile))
+    say("moving ...")
+    go()
+    arm = hands.cell.arm
+    here, stand = arm.pose(), arm.joints()
+    tell({**_pose_json(here), **_joints_json(stand)}, f"at {here}", options)
+
+
+def _jog_line(hands: ByHand, axis: str, step_mm: float) -> None:
+    from dataclasses import replace
+
+    here = hands.cell.arm.pose()
+    moved = {
+        "x": replace(here, x_mm=here.x_mm + step_mm),
+        "y": replace(here, y_mm=here.y_mm + step_mm),
+        "z": replace(here, z_mm=here.z_mm + step_mm),
+    }
+    hands.cell.arm.move_linear(moved[axis])
+
+
+def _jog_joint(hands: ByHand, number: int, step: float) -> None:
+    from cell.geometry import JointPositions
+
+    here = hands.cell.arm.joints().values
+    if not 1 <= number <= len(here):
+        raise ConsoleError(f"j{number}: the arm has j1 to j{len(here)}")
+    hands.cell.move_joints(
+        JointPositions(tuple(v + step * (i == number) for i, v in enumerate(here, 1)))
+    )
+
+
+def _require_joints(given: int, hands: ByHand) -> None:
+    wanted = len(hands.cell.profile.arm.rest_deg)
+    if given != wanted:
+        raise ConsoleError(f"{given} values are given; the arm has {wanted} joints")
+
+
+def _pose_json(pose: Pose) -> dict[str, object]:
+    figures = {
+        "x_mm": pose.x_mm, "y_mm": pose.y_mm, "z_mm": pose.z_mm,
+        "a_deg": pose.a_deg, "b_deg": pose.b_deg, "c_deg": pose.c_deg,
+    }  # fmt: skip
+    return {name: _rounded(value) for name, value in figures.items()}
+
+
+def _joints_json(joints: JointPositions) -> dict[str, object]:
+    return {f"j{number}": _rounded(value) for number, value in enumerate(joints.values, 1)}
+
+
+def _rounded(value: float) -> float:
+    return round(value, 4) + 0.0  # Not -0.0.
+
+
+def _joints_text(joints: JointPositions) -> str:
+    return "  ".join(f"J{number} {value:.2f}" for number, value in enumerate(joints.values, 1))

@@ -1,0 +1,195 @@
+"""`cell store`: the blocks by hand, each transfer in the ledger."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from console.exits import ConsoleError, Exit
+from console.hand import DEFAULTS, HandOptions, by_hand, tell
+from console.hand_speed import kept_speed
+from console.output import put_json, put_table, say
+
+if TYPE_CHECKING:
+    from cell.by_hand import ByHand
+    from cell.store import TablePlace
+
+app = App(name="store")
+Yaw = Annotated[float, Parameter(help="Turn of the block's length from robot x, deg.")]
+
+
+@app.command
+def where(
+    kind: str | None = None, colour: str | None = None, /, *, options: HandOptions = DEFAULTS
+) -> int:
+    """Tell where blocks belong and where they are: all, of a kind, or of a kind and colour.
+
+    Args:
+        kind: Kind of the blocks, such as cube.
+        colour: Their colour.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        cell = hands.cell
+        slots = [
+            s for s in cell.plan.slots
+            if kind in (None, s.kind) and colour in (None, s.colour)
+        ]  # fmt: skip
+        if not slots:
+            kinds = sorted({f"{s.kind} {s.colour}" for s in cell.plan.slots})
+            raise ConsoleError(f"the store has none of that sort; it has {', '.join(kinds)}")
+        out = cell.ledger.blocks_out()
+        told = []
+        for slot in slots:
+            own = cell.manipulator.slot_place(slot.number)
+            now = out.get(slot.number)
+            told.append(
+                {
+                    "slot": slot.number,
+                    "kind": slot.kind,
+                    "colour": slot.colour,
+                    "slot_mm": [own.x_mm, own.y_mm],
+                    "now_mm": None if now is None else [now.x_mm, now.y_mm],
+                }
+            )
+        if options.as_json:
+            put_json(told)
+            return
+        rows = [
+            (str(t["slot"]), str(t["kind"]), str(t["colour"]), _mm(t["slot_mm"]), _mm(t["now_mm"]))
+            for t in told
+        ]
+        put_table(("slot", "kind", "colour", "belongs at mm", "lies at mm"), rows)
+
+    return by_hand(options, work)
+
+
+@app.command
+def grip(
+    x_mm: float, y_mm: float, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
+) -> int:  # fmt: skip
+    """Grip the block at a place and lift it.
+
+    Args:
+        x_mm: Robot x of the block.
+        y_mm: Robot y of the block.
+        yaw: Turn of the block's length from robot x, deg.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        _bring_up(hands)
+        slot = hands.cell.grip_at(_place(x_mm, y_mm, yaw))
+        tell({"slot": slot}, f"holds the block of slot {slot}", options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def release(
+    x_mm: float, y_mm: float, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
+) -> int:  # fmt: skip
+    """Put the gripped block down at a place.
+
+    Args:
+        x_mm: Robot x of the place.
+        y_mm: Robot y of the place.
+        yaw: Turn of the block's length from robot x, deg.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        _bring_up(hands)
+        hands.cell.release_at(_place(x_mm, y_mm, yaw))
+        tell({"released_mm": [x_mm, y_mm]}, f"put down at ({x_mm:g}, {y_mm:g}) mm", options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def deploy(
+    slot: int, x_mm: float, y_mm: float, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
+) -> int:  # fmt: skip
+    """Bring a block from its slot to a place.
+
+    Args:
+        slot: Number of its slot.
+        x_mm: Robot x of the place.
+        y_mm: Robot y of the place.
+        yaw: Turn of the block's length from robot x, deg.
+        options: Options of every command by hand.
+    """
+
+    def work(hands: ByHand) -> None:
+        hands.cell.plan.slot(slot)
+        _bring_up(hands)
+        hands.cell.deploy(slot, _place(x_mm, y_mm, yaw))
+        tell({"slot": slot, "at_mm": [x_mm, y_mm]}, f"slot {slot} is laid out", options)
+
+    return by_hand(options, work)
+
+
+@app.command
+def clean(
+    *slots: int,
+    picture: Annotated[
+        bool, Parameter(negative="", help="By what the top camera sees, not by the ledger.")
+    ] = False,
+    options: HandOptions = DEFAULTS,
+) -> int:
+    """Bring blocks back to their slots: those of the slots given, or all that lie out.
+
+    Args:
+        slots: Numbers of the slots; all unless given.
+        picture: Whether the top camera says what lies where, rather than the ledger.
+        options: Options of every command by hand.
+    """
+    if picture and slots:
+        raise ConsoleError("--picture looks for every block; leave the slots out")
+
+    def work(hands: ByHand) -> int:
+        left: list[str] = []
+        for slot in slots:
+            hands.cell.plan.slot(slot)
+        _bring_up(hands)
+        if picture:
+            hands.reach_display()
+            hands.cell.display.switch_on()
+            hands.cell.display.select_input(hands.cell.profile.display.input)
+            cleaning = hands.cell.clean_from_picture(_progress)
+            put_back, left = list(cleaning.home), list(cleaning.left)
+        elif slots:
+            put_back = hands.cell.clean_objects(slots, _progress)
+        else:
+            put_back = hands.cell.clean(_progress)
+        text = ", ".join(f"slot {slot}" for slot in put_back)
+        lines = [f"brought home: {text}" if text else "nothing was brought home", *left]
+        tell({"brought_home": put_back, "left": left}, "\n".join(lines), options)
+        return Exit.FAILED if left else Exit.DONE
+
+    return by_hand(options, work)
+
+
+def _bring_up(hands: ByHand) -> None:
+    """Bring up what moves blocks; the gripper keeps its power, so that it keeps its block."""
+    say("bringing arm and gripper up ...")
+    hands.bring_up_arm()
+    hands.cell.set_speed(*kept_speed(hands.cell.profile))
+    hands.bring_up_gripper(leave_on=True)
+    say("moving ...")
+
+
+def _progress(what: str, done: int, total: int) -> None:
+    say(f"{what}: {done} of {total}")
+
+
+def _place(x_mm: float, y_mm: float, yaw_deg: float) -> TablePlace:
+    from cell.store import TablePlace
+
+    return TablePlace(x_mm=x_mm, y_mm=y_mm, yaw_deg=yaw_deg)
+
+
+def _mm(place: object) -> str:
+    return f"({place[0]:.1f}, {place[1]:.1f})" if isinstance(place, list) else "-"
