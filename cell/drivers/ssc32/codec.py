@@ -1,13 +1,15 @@
 """SSC-32 commands to bytes and back, and what its replies mean; no I/O.
 
 Case does not matter, spaces, tabs and line feeds are nothing, nothing happens before the
-carriage return, and ESC takes back what was said of a line.
+carriage return, and ESC takes back what was said of a line. The same questions are asked
+again and again, so what was encoded or decoded lately is remembered.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import assert_never
 
 from cell.drivers.ssc32 import tables
@@ -35,6 +37,8 @@ _BANK = re.compile(r"#(\d{1,5}):(\d{1,5})")
 _PULSE = re.compile(r"QP(\d{1,5})")
 _INPUT = re.compile(r"([A-F])(L?)")
 _ANALOGUE = re.compile(r"V([A-H])")
+_PLAIN = re.compile(rb"[#0-9:A-Z+-]{0,200}\r")
+"""One whole line that needs no cleaning, as this driver sends it."""
 _STOP = re.compile(r"STOP(\d{1,5})")
 
 
@@ -54,6 +58,8 @@ class LineReader:
 
     def feed(self, data: bytes) -> list[str]:
         """Return the lines that `data` completes; too long ones are dropped whole."""
+        if not self._line and not self._is_too_long and _PLAIN.fullmatch(data):
+            return [data[:-1].decode("ascii")]
         lines = []
         for byte in data:
             if byte == tables.CARRIAGE_RETURN:
@@ -75,6 +81,7 @@ class LineReader:
         self._is_too_long = False
 
 
+@lru_cache(maxsize=256)
 def encode(command: Command) -> bytes:
     """Return the bytes of a command, its carriage return included.
 
@@ -85,6 +92,7 @@ def encode(command: Command) -> bytes:
     return f"{_text(command)}\r".encode("ascii")
 
 
+@lru_cache(maxsize=256)
 def decode(line: str) -> Command:
     """Return the command of a line as `LineReader` gives it.
 

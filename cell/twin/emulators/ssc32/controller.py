@@ -55,6 +55,7 @@ class Ssc32Controller:
         self._is_powered = True
         self._ready_s = 0.0
         self._is_silent = False
+        self._latest_end_s = 0.0
 
     # The wire
 
@@ -145,7 +146,9 @@ class Ssc32Controller:
                 if self._settings.knows_stop:
                     self._channels[channel].hold(now_s)
             case QueryMoving():
-                is_moving = any(servo.is_moving(now_s) for servo in self._channels)
+                is_moving = now_s < self._latest_end_s and any(
+                    servo.is_moving(now_s) for servo in self._channels
+                )
                 return tables.MOVING if is_moving else tables.FINISHED
             case QueryPulses(channels):
                 return codec.encode_pulses([self._channels[c].pulse_us(now_s) for c in channels])
@@ -167,6 +170,7 @@ class Ssc32Controller:
             if target.speed_us_s and servo.is_pulsed:
                 way_us = abs(target.pulse_us - servo.pulse_us(now_s))
                 duration_s = max(duration_s, way_us / target.speed_us_s)
+        self._latest_end_s = max(self._latest_end_s, now_s + duration_s)
         for target in move.targets:
             self._outputs.pop(target.channel, None)
             self._channels[target.channel].command(float(target.pulse_us), duration_s, now_s)
