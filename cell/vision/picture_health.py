@@ -291,6 +291,7 @@ def _judge_focus(
 def _judge_shift(camera: str, shift: Shift, limits: HealthLimits) -> tuple[PictureFinding, ...]:
     is_moved = (
         shift.distance_px > limits.most_shift_px
+        and shift.fit >= limits.least_fit
         and shift.fit - shift.fit_unmoved >= limits.least_shift_gain
     )
     if not is_moved:

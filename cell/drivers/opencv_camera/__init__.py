@@ -1,0 +1,1 @@
+"""Cameras through OpenCV: FireWire (IIDC), Linux video devices, files, folders, streams."""
