@@ -57,6 +57,13 @@ COMMANDS: Final = (
     Command("tv", "on|off|input|picture|...", "console.tv:app", "The television by hand."),
     Command("lights", "on|off", "console.lights:lights", "The cell's lights by hand."),
     Command("camera", "list|grab|features|...", "console.camera:app", "The cameras by hand."),
+    Command(
+        "webcam",
+        "still|watch|move|home|...",
+        "console.webcam:app",
+        "The web camera: its pictures and where it looks.",
+    ),
+    Command("tv-page", "", "console.tv_page:tv_page", "Serve the television's picture."),
     Command("store", "where|grip|release|...", "console.store:app", "Blocks by hand."),
     Command("clean", "", "console.clean:clean", "Bring every block back to the store."),
     Command(

@@ -101,16 +101,19 @@ class KioskScreen:
             DeviceError: There is no such picture, no page, or a page that cannot show it.
             DeviceTimeout: A page did not paint it in time.
         """
-        if picture not in PICTURE_NAMES:
-            raise DeviceError(
-                self._settings.device,
-                f"knows no picture {picture!r}",
-                hint=f"use {', '.join(PICTURE_NAMES)}",
-            )
-        sha256, png = _named_png(picture)
-        self._require_size((WIDTH_PX, HEIGHT_PX), picture)
+        kept = self._named_picture(picture)
         with self._turn:
-            self._await_painted(self._publish(KeptPicture(picture, sha256, png)))
+            self._await_painted(self._publish(kept))
+
+    def send(self, picture: str) -> None:
+        """Have pages show a picture of `cell.pictures`, now or when they come; do not wait.
+
+        Raises:
+            DeviceError: There is no such picture.
+        """
+        kept = self._named_picture(picture)
+        with self._turn:
+            self._publish(kept)
 
     def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
         """Show any picture, pixel by pixel; return when every page has painted it.
@@ -157,6 +160,26 @@ class KioskScreen:
         trouble = self._trouble(pages, self._show)
         if trouble is not None:
             raise DeviceError(self._settings.device, trouble.problem, hint=trouble.hint)
+
+    def await_change(self, seen: int, timeout_s: float) -> tuple[int, tuple[PageState, ...]]:
+        """Return when pages came, went or said something that was not `seen`, or time is up.
+
+        Returns:
+            What to give as `seen` next time (0 at first), and the pages.
+        """
+        self._board.wait_for_change(seen, timeout_s)
+        return self._board.read()
+
+    def _named_picture(self, name: str) -> KeptPicture:
+        if name not in PICTURE_NAMES:
+            raise DeviceError(
+                self._settings.device,
+                f"knows no picture {name!r}",
+                hint=f"use {', '.join(PICTURE_NAMES)}",
+            )
+        self._require_size((WIDTH_PX, HEIGHT_PX), name)
+        sha256, png = _named_png(name)
+        return KeptPicture(name, sha256, png)
 
     def _publish(self, kept: KeptPicture) -> Show:
         width_px, height_px = self.size_px

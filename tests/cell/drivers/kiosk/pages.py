@@ -13,7 +13,7 @@ from tornado.httpclient import AsyncHTTPClient
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 from cell.clock import SystemClock
-from cell.drivers.kiosk import KioskScreen, PageView
+from cell.drivers.kiosk import KioskScreen
 
 PATIENCE_S = 20.0
 
@@ -131,12 +131,8 @@ class FakePage:
 
 def await_pages(screen: KioskScreen, condition: Callable[[Any], bool]) -> None:
     """Return when the screen's pages are as wished."""
-    version, pages = screen._board.read()
+    seen, pages = screen.await_change(0, PATIENCE_S)
     while not condition(pages):
-        assert screen._board.wait_for_change(version, PATIENCE_S), pages
-        version, pages = screen._board.read()
-
-
-def page_view(**changes: Any) -> PageView:
-    """Return a view as the cell has it."""
-    return PageView.model_validate_json(json.dumps(view(**changes)))
+        before = seen
+        seen, pages = screen.await_change(before, PATIENCE_S)
+        assert seen != before, pages
