@@ -65,6 +65,12 @@ COMMANDS: Final = (
     ),
     Command("tv-page", "", "console.tv_page:tv_page", "Serve the television's picture."),
     Command("store", "where|grip|release|...", "console.store:app", "Blocks by hand."),
+    Command(
+        "emulate",
+        "[MODEL]",
+        "console.emulate:emulate",
+        "Run emulated devices behind ports, for any program.",
+    ),
     Command("clean", "", "console.clean:clean", "Bring every block back to the store."),
     Command(
         "watchdog",

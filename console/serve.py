@@ -5,8 +5,6 @@ from __future__ import annotations
 import logging
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -16,6 +14,7 @@ from console.exits import ConsoleError, Exit
 from console.options import ProfileName
 from console.output import put, say
 from console.places import cell_folder, recordings_folder
+from console.signals import signals_handled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,7 +108,7 @@ def run_until_stopped(server: MasServer) -> int:
         received.append(number)
         server.request_stop()
 
-    with _signals(stop):
+    with signals_handled(stop):
         server.start()
         server.wait()
         say("stopping: the cell is brought in order", "dim")
@@ -154,15 +153,3 @@ def _log_to_stderr() -> None:
     logging.basicConfig(
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
     )
-
-
-@contextmanager
-def _signals(stop: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Have SIGTERM and SIGINT handled for a while."""
-    numbers = (signal.SIGTERM, signal.SIGINT)
-    before = {number: signal.signal(number, stop) for number in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -25,6 +25,7 @@ from cell.links.errors import (
     WriteStuck,
 )
 from cell.links.ports import missing, port_of
+from cell.links.settings_text import settings_text
 from cell.profile import SerialProfile
 
 _REFUSALS: tuple[type[Exception], ...] = (ValueError,)
@@ -156,13 +157,6 @@ class SerialLink:
     def _require_open(self) -> None:
         if not self._is_open:
             raise LinkError(f"the link to {self._name} is closed")
-
-
-def settings_text(profile: SerialProfile) -> str:
-    """Return the parameters of a port as technicians write them, such as `38400 8E2`."""
-    letter = profile.parity[0].upper()
-    flow = "" if profile.flow_control == "none" else f" {profile.flow_control}"
-    return f"{profile.baud} {profile.data_bits}{letter}{profile.stop_bits}{flow}"
 
 
 def _open_port(name: str, profile: SerialProfile, write_timeout_s: float) -> serial.Serial:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
+from cell.profile import SerialProfile
+
 
 class Transmitter:
     """Queues messages and hands out the bytes that have left by a given time.
@@ -50,3 +52,13 @@ class Transmitter:
 def byte_time_s(*, baud: int, data_bits: int, parity: str, stop_bits: int) -> float:
     """Return how long one byte takes: one start bit, data, parity unless `none`, stop bits."""
     return (1 + data_bits + (parity != "none") + stop_bits) / baud
+
+
+def line_byte_s(line: SerialProfile) -> float:
+    """Return how long one byte takes on the line of a profile."""
+    return byte_time_s(
+        baud=line.baud,
+        data_bits=line.data_bits,
+        parity=line.parity,
+        stop_bits=line.stop_bits,
+    )
