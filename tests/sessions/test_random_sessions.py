@@ -40,7 +40,7 @@ class Watched:
 
     def __init__(self, seed: int) -> None:
         text = profile_text("mash")
-        self.hosted: Hosted = host_twin(
+        self.hosted: Hosted[TwinCell] = host_twin(
             served_script(library_script("mash"), "mash.cell"),
             parse_profile(text, "mash"),
             text,
