@@ -154,6 +154,7 @@ class TwinCamera:
 
     def set_auto(self, name: FeatureName, *, is_auto: bool) -> CameraFeature:
         """Leave a feature to the body, or take it back."""
+        self._last = None
         return self._access().set_auto(name, is_auto=is_auto)
 
     def grab(self) -> Frame:
@@ -300,6 +301,7 @@ class TwinCamera:
         """
         if not self._body.registers.leave_auto(feature):
             raise ValueError(f"the camera has no automatic {feature}")
+        self._last = None
 
     def fall_silent(self, is_silent: bool = True) -> None:
         """Give no pictures, or give them again."""
