@@ -105,7 +105,7 @@ def encode_text(text: str) -> bytes:
         raise UnsendableRequest(
             f"a request of {len(text)} bytes is too long, the most is {MAX_REQUEST_BYTES}"
         )
-    if not (text.isascii() and text.isprintable()):
+    if not (text.isascii() and text.replace("\x0b", "").isprintable()):
         raise UnsendableRequest(f"the request {text!r} holds characters that cannot be sent")
     return text.encode("ascii") + END
 

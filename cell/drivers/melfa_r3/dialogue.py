@@ -66,14 +66,19 @@ class Dialogue:
         """Name of the device, for messages."""
         return self._link.name
 
-    def ask(self, command: str, args: str = "") -> str:
+    def ask(self, command: str, args: str = "", *, slot: int | None = None) -> str:
         """Send a command and return the data of its reply.
+
+        Args:
+            command: A command word.
+            args: What follows it.
+            slot: Task slot that it is for; the settings' one unless given.
 
         Raises:
             DeviceError: The controller refused, or its reply is no reply.
             DeviceTimeout: It did not answer in time.
         """
-        reply = self.request(command, args)
+        reply = self.request(command, args, slot=slot)
         if not reply.is_accepted:
             raise self.refusal(command + args, reply)
         return reply.data
@@ -90,7 +95,7 @@ class Dialogue:
         except GarbledMessage as error:
             return self._again(self.garbled(error), lambda: parse(self._asked_once(command, args)))
 
-    def request(self, command: str, args: str = "") -> Reply:
+    def request(self, command: str, args: str = "", *, slot: int | None = None) -> Reply:
         """Send a command and return its reply, refused or not; repeated where that is safe.
 
         Raises:
@@ -99,11 +104,11 @@ class Dialogue:
             LinkError: The link is broken.
         """
         try:
-            return self.exchange(command, args)
+            return self.exchange(command, args, slot=slot)
         except LOST as error:
             if not may_be_repeated(command, args):
                 raise
-            return self._again(error, lambda: self.exchange(command, args))
+            return self._again(error, lambda: self.exchange(command, args, slot=slot))
 
     def _again(self, error: CellError, work: Callable[[], _T]) -> _T:
         """Do again what has failed once, until it works or was tried often enough."""
@@ -148,7 +153,9 @@ class Dialogue:
         if not reply.is_accepted:
             raise self.refusal(command + args, reply)
 
-    def exchange(self, command: str, args: str = "", *, is_urgent: bool = False) -> Reply:
+    def exchange(
+        self, command: str, args: str = "", *, is_urgent: bool = False, slot: int | None = None
+    ) -> Reply:
         """Send a command and return its reply, refused or not.
 
         Args:
@@ -156,13 +163,15 @@ class Dialogue:
             args: What follows it.
             is_urgent: Send at once even if a late reply may still be on its way; the
                 reply that comes first is then taken for this one.
+            slot: Task slot that it is for; the settings' one unless given.
 
         Raises:
             DeviceError: What came back is no reply, or the command cannot be sent.
             DeviceTimeout: Nothing came back in time.
         """
         try:
-            request = encode_text(f"{self._prefix}{command}{args}")
+            prefix = self._prefix if slot is None else f"{self._settings.robot};{slot};"
+            request = encode_text(f"{prefix}{command}{args}")
             if not is_urgent:
                 self._drop_stale()
             self._reader.clear()
@@ -173,6 +182,19 @@ class Dialogue:
             raise self.garbled(error) from error
         except UnsendableRequest as error:
             raise UnsendableRequest(error.problem, device=self.device) from error
+
+    def insist(self, command: str) -> Reply:
+        """Send a command at once, and again until a reply comes or it was tried often enough.
+
+        Raises:
+            DeviceError: What came back is no reply.
+            DeviceTimeout: Nothing came back in time.
+            LinkError: The link is broken.
+        """
+        try:
+            return self.exchange(command, is_urgent=True)
+        except LOST as error:
+            return self._again(error, lambda: self.exchange(command, is_urgent=True))
 
     def garbled(self, error: GarbledMessage) -> GarbledMessage:
         """Return an error of the codec with the name of this device."""

@@ -19,6 +19,7 @@ from cell.devices.arm import ArmState, Interpolation
 from cell.drivers.melfa_r3 import records
 from cell.drivers.melfa_r3.codec import GarbledMessage
 from cell.drivers.melfa_r3.dialogue import LOST, Dialogue, OnRepeat, told
+from cell.drivers.melfa_r3.editor import ProgramEditor
 from cell.drivers.melfa_r3.panel import ControlPanel
 from cell.drivers.melfa_r3.settings import ArmSettings
 from cell.drivers.melfa_r3.statements import SetFigure, print_joints, print_position
@@ -69,6 +70,7 @@ class MelfaArm:
         self._is_open = False
         self._stood: Pose | JointPositions | None = None
         self.panel = ControlPanel(self._dialogue)
+        self.editor = ProgramEditor(self._dialogue)
 
     def open(self) -> str:
         """Take the arm into service with its servos on; return the identity.
@@ -276,7 +278,7 @@ class MelfaArm:
         Raises:
             DeviceError: The controller did not accept or did not answer.
         """
-        reply = self._dialogue.exchange("STOP", is_urgent=True)
+        reply = self._dialogue.insist("STOP")
         if not reply.is_accepted:
             raise self._dialogue.refusal("STOP", reply)
 

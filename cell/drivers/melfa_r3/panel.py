@@ -144,6 +144,10 @@ class ControlPanel:
         """Put the program in the slot back to its start."""
         self._dialogue.ask("RSTPRG")
 
+    def restart(self) -> None:
+        """Restart the controller; the session ends, and it takes a while to come back."""
+        self._dialogue.ask("RSTPWR")
+
     def reset_slots(self) -> None:
         """Put all slots back to their start."""
         self._dialogue.ask("SLOTINIT")

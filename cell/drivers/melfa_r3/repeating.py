@@ -6,7 +6,20 @@ a motion does: whether the arm moves already is found out first, by the driver.
 
 from __future__ import annotations
 
-_STARTS = ("EXECMOV", "EXECMVS", "EXECHOPEN", "EXECHCLOSE", "RUN", "MOVSP", "HNDON", "HNDOFF")
+_STARTS = (
+    "EXECMOV",
+    "EXECMVS",
+    "EXECMVR",
+    "EXECMVC",
+    "RSTPWR",
+    "FDEL",
+    "EXECHOPEN",
+    "EXECHCLOSE",
+    "RUN",
+    "MOVSP",
+    "HNDON",
+    "HNDOFF",
+)
 
 
 def may_be_repeated(command: str, args: str = "") -> bool:

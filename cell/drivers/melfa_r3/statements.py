@@ -65,6 +65,19 @@ class Move(NamedTuple):
     target: Operand
 
 
+class MoveRound(NamedTuple):
+    """A circular move: `MVR start,via,end`, `MVR3 start,end,centre` or `MVC start,via,via`.
+
+    An arm that does not stand at `start` goes there first, straight. `MVC` goes round the
+    whole circle, back to `start`.
+    """
+
+    word: Literal["MVR", "MVR3", "MVC"]
+    first: Operand
+    second: Operand
+    third: Operand
+
+
 class SetFigure(NamedTuple):
     """`SPD`, `JOVRD`, `OVRD` or `ACCEL` with its figures."""
 
@@ -76,6 +89,12 @@ class SetTool(NamedTuple):
     """`TOOL (x,y,z,a,b,c)`: the tool point in the flange's frame."""
 
     tool: Pose
+
+
+class SetBase(NamedTuple):
+    """`BASE (x,y,z,a,b,c)`: the robot's base in the frame in which poses are given."""
+
+    base: Pose
 
 
 class SelectTool(NamedTuple):
@@ -103,8 +122,10 @@ Statement: TypeAlias = (
     | AssignJoints
     | AssignNumber
     | Move
+    | MoveRound
     | SetFigure
     | SetTool
+    | SetBase
     | SelectTool
     | SwitchHand
     | SwitchOutput
@@ -114,6 +135,7 @@ _COMBINED = re.compile(r"(P\w*)\s*([+*])\s*(P\w*)", re.ASCII)
 _OUTPUT = re.compile(r"M_OUT\s*\(\s*(\d+)\s*\)\s*=\s*([01])", re.ASCII)
 _NUMBER_NAME = re.compile(r"M\w*", re.ASCII)
 _TYPE = re.compile(r"\s+TYPE\s+\d+\s*,\s*\d+", re.ASCII)
+_ROUND: dict[str, Literal["MVR", "MVR3", "MVC"]] = {"MVR": "MVR", "MVR3": "MVR3", "MVC": "MVC"}
 _FIGURES: dict[str, tuple[Literal["SPD", "JOVRD", "OVRD", "ACCEL"], int]] = {
     "SPD": ("SPD", 1),
     "JOVRD": ("JOVRD", 1),
@@ -165,10 +187,15 @@ def print_statement(statement: Statement) -> str:
             return f"{name}={_print_number(value)}"
         case Move(is_straight, target):
             return f"{'MVS' if is_straight else 'MOV'} {_print_operand(target)}"
+        case MoveRound(round_word, first, second, third):
+            places = ",".join([_print_operand(place) for place in (first, second, third)])
+            return f"{round_word} {places}"
         case SetFigure(word, values):
             return f"{word} {','.join([_print_number(value) for value in values])}"
         case SetTool(tool):
             return f"TOOL {print_position(tool, None)}"
+        case SetBase(base):
+            return f"BASE {print_position(base, None)}"
         case SelectTool(number):
             return f"M_TOOL={number}"
         case SwitchHand(hand, is_open):
@@ -265,10 +292,16 @@ def _parse_command(word: str, rest: str) -> Statement:
         if len(values) != count:
             raise ValueError(rest)
         return SetFigure(name, values)
+    round_word = _ROUND.get(word)
+    if round_word is not None:
+        first, second, third = [parse_operand(p.strip()) for p in _TYPE.sub("", rest).split(",")]
+        return MoveRound(round_word, first, second, third)
     if word == "HOPEN" or word == "HCLOSE":
         return SwitchHand(int(rest), word == "HOPEN")
     if word == "TOOL":
         return SetTool(parse_position(rest).pose)
+    if word == "BASE":
+        return SetBase(parse_position(rest).pose)
     raise ValueError(word)
 
 

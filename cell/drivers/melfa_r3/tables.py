@@ -61,6 +61,14 @@ COMMANDS: dict[str, CommandRule] = {
     "PAR": CommandRule(False),
     "MOVSP": CommandRule(True),
     "PDIR": CommandRule(False),
+    "NEW": CommandRule(False, is_assumed=True),
+    "LOAD": CommandRule(False, is_assumed=True),
+    "ECLR": CommandRule(False, is_assumed=True),
+    "EMDAT": CommandRule(False, is_assumed=True),
+    "EDATA": CommandRule(False, is_assumed=True),
+    "SAVE": CommandRule(False, is_assumed=True),
+    "FDEL": CommandRule(False, is_assumed=True),
+    "RSTPWR": CommandRule(False, is_assumed=True),
 }
 """Command words. `OVRD=` and `OUT=` write and so need the right: see `WRITE_NEEDS_RIGHT`."""
 

@@ -11,7 +11,9 @@ from cell.drivers.melfa_r3.statements import (
     parse_statement,
 )
 from cell.twin.bodies import ArmBody
+from cell.twin.emulators.melfa_r3.editing import Editing
 from cell.twin.emulators.melfa_r3.interpreter import HANDS, OUTPUTS, Interpreter
+from cell.twin.emulators.melfa_r3.library import ProgramLibrary
 from cell.twin.emulators.melfa_r3.mechanism import Mechanism
 from cell.twin.emulators.melfa_r3.parameters import parameter_values
 from cell.twin.emulators.melfa_r3.planner import Planner
@@ -31,6 +33,7 @@ class Commands:
         state: What is on and off.
         mechanism: The arm.
         runner: The program in the slot.
+        restarts: Whether a restart was asked for that has not happened yet.
     """
 
     def __init__(self, body: ArmBody, planner: Planner, settings: ControllerSettings) -> None:
@@ -39,7 +42,10 @@ class Commands:
         self.state = ControllerState(settings.override_percent)
         self.mechanism = Mechanism(body, planner)
         self._interpreter = Interpreter(self.state, self.mechanism, planner, settings)
-        self.runner = ProgramRunner(settings.programs, self._interpreter, self.mechanism.is_moving)
+        self.restarts = False
+        self._library = ProgramLibrary(settings.programs)
+        self.runner = ProgramRunner(self._library, self._interpreter, self.mechanism.is_moving)
+        self._editing = Editing(self._library, self.state, self.is_running)
         self._handlers = {
             "OPEN": self._open, "CLOSE": self._close,
             "CNTLON": self._take_right, "CNTLOFF": self._give_right_back,
@@ -55,7 +61,8 @@ class Commands:
             "ERRORMES": self._error_text, "ERRORRD": self._last_error,
             "IN": self._inputs, "OUT": self._outputs, "IOSIGNAL": self._signals,
             "VAL": self._variable, "PNR": self._parameter, "PAR": self._parameter,
-            "MOVSP": self._move_to_safe, "PDIR": self._programs,
+            "MOVSP": self._move_to_safe, "PDIR": self._programs, "RSTPWR": self._restart,
+            **self._editing.handlers,
         }  # fmt: skip
 
     def answer(self, request: Request, now_s: float, at_s: float) -> str:
@@ -88,6 +95,18 @@ class Commands:
         """Return whether a motion or a program is under way."""
         return self.runner.is_running or self.mechanism.is_moving(now_s)
 
+    def lose_power(self, now_s: float) -> None:
+        """Stand still where the arm is, outputs off, and forget session, right and program."""
+        self.restarts = False
+        self._library.close()
+        self._interpreter.forget()
+        self.mechanism.halt(now_s)
+        for bit in sorted(self.state.outputs):
+            self.mechanism.switch_output(bit, now_s, is_on=False)
+        self.runner.reset()
+        self._planner.reset_speeds()
+        self.state.forget()
+
     # Session, right, servos
 
     def _open(self, args: str, now_s: float, at_s: float) -> str:
@@ -96,7 +115,14 @@ class Commands:
 
     def _close(self, args: str, now_s: float, at_s: float) -> str:
         self.state.is_open = False
+        self._library.close()
         return self._give_right_back(args, now_s, at_s)
+
+    def _restart(self, args: str, now_s: float, at_s: float) -> str:
+        if self.is_running(now_s):
+            raise Refusal(tables.BUSY)
+        self.restarts = True
+        return ""
 
     def _take_right(self, args: str, now_s: float, at_s: float) -> str:
         if not self.state.is_automatic:
@@ -194,7 +220,7 @@ class Commands:
         return ""
 
     def _programs(self, args: str, now_s: float, at_s: float) -> str:
-        names = self.runner.names()
+        names = self._library.names()
         index = 0 if args == "<" else _number(args)
         if index >= len(names):
             return ""
@@ -247,7 +273,7 @@ class Commands:
                 program=state.program,
                 line=str(self.runner.line),
                 override_percent=state.override_percent,
-                edit=0,
+                edit=self._editing.status(is_running=is_running),
                 run=state.run_status(now_s, is_running=is_running),
                 stop=state.stop_status(is_running=is_running),
                 error=state.alarm,

@@ -69,6 +69,11 @@ class MelfaController:
             reply = self._answer(line, now_s, at_s)
             if not self._is_silent:
                 self._send(reply, at_s)
+            if self._commands.restarts:
+                # The reply that is on its way is the last word before the restart.
+                self._commands.lose_power(at_s)
+                self._boots_until_s = at_s + self._settings.boot_s
+                return
 
     def transmit(self, now_s: float) -> bytes:
         """Return (once) all bytes that are out on the wire by `now_s`."""

@@ -9,9 +9,11 @@ from cell.drivers.melfa_r3.statements import (
     AssignPosition,
     Combined,
     Move,
+    MoveRound,
     Operand,
     Position,
     SelectTool,
+    SetBase,
     SetFigure,
     SetTool,
     Statement,
@@ -22,6 +24,7 @@ from cell.drivers.melfa_r3.statements import (
 )
 from cell.geometry import JointPositions, Pose, Transform
 from cell.twin.bodies import JointTuple
+from cell.twin.emulators.melfa_r3.arc import Circle, point
 from cell.twin.emulators.melfa_r3.mechanism import Mechanism
 from cell.twin.emulators.melfa_r3.planner import Planner
 from cell.twin.emulators.melfa_r3.refusal import Refusal
@@ -55,6 +58,14 @@ class Interpreter:
         self._joints: dict[str, JointTuple] = {}
         self._numbers: dict[str, float] = {}
 
+    def forget(self) -> None:
+        """Be as after power on: variables, tool and base are gone."""
+        self.tool = ToolFrame(self._settings.tool_mm)
+        self._tool_number = 1
+        self._positions.clear()
+        self._joints.clear()
+        self._numbers.clear()
+
     def execute(self, statement: Statement, now_s: float, at_s: float) -> None:
         """Execute a statement that came at `now_s`; a motion starts at `at_s`.
 
@@ -66,6 +77,8 @@ class Interpreter:
                 self._assign_position(name, value, now_s)
             case Move(is_straight, target):
                 self._move(target, now_s, at_s, is_straight=is_straight)
+            case MoveRound():
+                self._move_round(statement, now_s, at_s)
             case AssignJoints(name, value):
                 self._assign_joints(name, value, now_s)
             case AssignNumber(name, number):
@@ -74,6 +87,8 @@ class Interpreter:
                 self._set_figure(word, values)
             case SetTool(tool):
                 self.tool.select(tool)
+            case SetBase(base):
+                self.tool.set_base(base)
             case SelectTool(number):
                 self._select_tool(number)
             case SwitchHand(hand, is_open):
@@ -164,6 +179,24 @@ class Interpreter:
         else:
             end = planner.solve(self._mechanism.stand(now_s), pose, flags)
             self._start_joint_move(end, now_s, at_s)
+
+    def _move_round(self, move: MoveRound, now_s: float, at_s: float) -> None:
+        self._require_servos(now_s)
+        first, second, third = (
+            self.tool.to_fitted(self._evaluate(operand, now_s).pose)
+            for operand in (move.first, move.second, move.third)
+        )
+        if move.word == "MVR3":
+            circle = Circle.about(point(first), point(second), point(third))
+            target = second
+        else:
+            is_full = move.word == "MVC"
+            circle = Circle.through(point(first), point(second), point(third), is_full=is_full)
+            target = first if is_full else third
+        stand = self._mechanism.stand(now_s)
+        percent = self._state.override_percent
+        path, end = self._planner.arc(stand, first, target, circle, percent, at_s)
+        self._mechanism.follow(path, end)
 
     def _start_line(
         self, pose: Pose, flags: tuple[int, int] | None, now_s: float, at_s: float

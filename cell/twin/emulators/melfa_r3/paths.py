@@ -32,6 +32,19 @@ class Course(Protocol):
         """Return the joint angles at a share of the way, 0 to 1."""
 
 
+class TurningCourse(Course, Protocol):
+    """A course of the tool point, which may turn on its way."""
+
+    turn_deg: float
+
+    def check(self) -> None:
+        """Look at the way.
+
+        Raises:
+            UnreachablePose: A place on the way cannot be reached.
+        """
+
+
 class Timing(Protocol):
     """The temporal part of a path."""
 
@@ -72,6 +85,35 @@ class JointCourse:
             a5 + share * (b5 - a5),
             a6 + share * (b6 - a6),
         )
+
+
+class ChainedCourse:
+    """One course after the other, at one speed along both."""
+
+    __slots__ = ("end_deg", "length_mm", "start_deg", "turn_deg", "_first", "_second", "_split")
+
+    def __init__(self, first: TurningCourse, second: TurningCourse) -> None:
+        self.start_deg = first.start_deg
+        self.end_deg = second.end_deg
+        self.length_mm = first.length_mm + second.length_mm
+        self.turn_deg = first.turn_deg + second.turn_deg
+        self._first, self._second = first, second
+        self._split = first.length_mm / self.length_mm
+
+    def at(self, share: float) -> JointTuple:
+        """Return the joint angles at a share of the way."""
+        if share < self._split:
+            return self._first.at(share / self._split)
+        return self._second.at((share - self._split) / (1.0 - self._split))
+
+    def check(self) -> None:
+        """Look at the way.
+
+        Raises:
+            UnreachablePose: A place on the way cannot be reached.
+        """
+        self._first.check()
+        self._second.check()
 
 
 class Trapezoid:

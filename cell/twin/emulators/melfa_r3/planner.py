@@ -6,13 +6,22 @@ from cell.drivers.melfa_r3 import tables
 from cell.errors import UnreachablePose
 from cell.geometry import JointPositions, Pose
 from cell.twin.bodies import JointTuple
+from cell.twin.emulators.melfa_r3.arc import ArcCourse, Circle
 from cell.twin.emulators.melfa_r3.line import LineCourse
-from cell.twin.emulators.melfa_r3.paths import Course, JointCourse, PlannedPath, Trapezoid
+from cell.twin.emulators.melfa_r3.paths import (
+    ChainedCourse,
+    Course,
+    JointCourse,
+    PlannedPath,
+    Trapezoid,
+    TurningCourse,
+)
 from cell.twin.emulators.melfa_r3.refusal import Refusal
 from cell.twin.emulators.melfa_r3.settings import ControllerSettings
 from cell.twin.emulators.melfa_r3.stand import ArmKinematics, Stand, flange_height_mm, six
 
 _STILL = 1e-9
+_STANDS_AT_MM = 0.01
 _LIMIT_SLACK_DEG = 1e-6
 
 
@@ -105,6 +114,28 @@ class Planner:
         if end.posture != start.posture:
             raise Refusal(tables.POSTURE_MISMATCH, is_alarm=True)
         course = LineCourse(self._kinematics, start, target, end.joints_deg)
+        return self._along(course, start, end, percent, at_s), end
+
+    def arc(
+        self, start: Stand, begin: Pose, target: Pose, circle: Circle, percent: float, at_s: float
+    ) -> tuple[PlannedPath, Stand]:
+        """Plan a circular move; an arm that does not stand at its beginning goes there first.
+
+        Raises:
+            Refusal: The target or the way is out of reach, or the posture would change.
+        """
+        first = self.solve(start, begin, None)
+        end = self.solve(first, target, None)
+        course: TurningCourse = ArcCourse(self._kinematics, first, target, end.joints_deg, circle)
+        to_begin = LineCourse(self._kinematics, start, begin, first.joints_deg)
+        if to_begin.length_mm > _STANDS_AT_MM:
+            course = ChainedCourse(to_begin, course)
+        return self._along(course, start, end, percent, at_s), end
+
+    def _along(
+        self, course: TurningCourse, start: Stand, end: Stand, percent: float, at_s: float
+    ) -> PlannedPath:
+        """Check a course of the tool point and give it its time."""
         try:
             course.check()
         except UnreachablePose as error:
@@ -122,7 +153,7 @@ class Planner:
             if timing is None or turning.duration_s > timing.duration_s:
                 timing = turning
         least_s = self._least_s(start.joints_deg, end.joints_deg)
-        return self._path(course, timing, least_s, at_s), end
+        return self._path(course, timing, least_s, at_s)
 
     def joint_move(self, start: Stand, end: Stand, percent: float, at_s: float) -> PlannedPath:
         """Plan a move with even joints between two allowed stands."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from cell.drivers.melfa_r3 import tables
 from cell.drivers.melfa_r3.codec import GarbledMessage
 from cell.drivers.melfa_r3.statements import parse_statement
 from cell.twin.emulators.melfa_r3.interpreter import Interpreter
+from cell.twin.emulators.melfa_r3.library import ProgramLibrary
 from cell.twin.emulators.melfa_r3.refusal import Refusal
 
 
@@ -21,11 +22,11 @@ class ProgramRunner:
 
     def __init__(
         self,
-        programs: Mapping[str, tuple[str, ...]],
+        library: ProgramLibrary,
         interpreter: Interpreter,
         is_moving: Callable[[float], bool],
     ) -> None:
-        self._programs = programs
+        self._library = library
         self._interpreter = interpreter
         self._is_moving = is_moving
         self._lines: tuple[str, ...] = ()
@@ -33,17 +34,13 @@ class ProgramRunner:
         self.is_running = False
         self.line = 0
 
-    def names(self) -> list[str]:
-        """Return the names of all programs, in order."""
-        return sorted(self._programs)
-
     def load(self, name: str) -> None:
         """Select a program and put it to its start.
 
         Raises:
             Refusal: There is no such program.
         """
-        lines = self._programs.get(name)
+        lines = self._library.lines(name)
         if lines is None:
             raise Refusal(tables.NO_SUCH_PROGRAM)
         self._lines = lines

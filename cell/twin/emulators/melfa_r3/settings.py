@@ -33,6 +33,7 @@ class ControllerSettings:
         byte_s: Time that a byte is on the wire; 12 bits at 38400 baud (8E2) by default.
         processing_s: Time from a request's end to its reply's start.
         servo_on_s: Time from SRVON to the servo bit.
+        boot_s: Time from a restart to the first reply (assumed).
         override_percent: Override at power-up.
         edit_slot: The slot whose direct statements need no program.
         programs: Programs in the controller's memory, name to lines.
@@ -69,6 +70,7 @@ class ControllerSettings:
     byte_s: float = 12 / 38400
     processing_s: float = 0.005
     servo_on_s: float = 1.0
+    boot_s: float = 20.0
     override_percent: int = 10
     edit_slot: int = 9
     programs: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: {"1": ()})

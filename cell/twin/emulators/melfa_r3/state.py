@@ -81,6 +81,17 @@ class ControllerState:
         """Clear the alarm, unless its cause is still there."""
         self.alarm = tables.EMERGENCY_PANEL if self.is_emergency_pressed else 0
 
+    def forget(self) -> None:
+        """Be as after power on: everything but switches, inputs and override is as at first."""
+        self.is_open = False
+        self.holder = "nobody"
+        self.alarm = 0
+        self.servo_ready_s = None
+        self.is_cyclic = False
+        self.program = ""
+        self.outputs.clear()
+        self.open_hands.clear()
+
     def run_status(self, now_s: float, *, is_running: bool) -> int:
         """Return the run status bits."""
         status = 0 if self.is_cyclic else _REPEAT

@@ -92,7 +92,7 @@ def test_blanks_small_letters_and_types_are_tolerated(text: str, statement: Stat
         "", "=", "MOV", "MVS 5", "MOV Q1", "P1=", "P1=(1,2,3)", "P1=(1,2,3,4,5,6",
         "P1=(1,2,3,4,5,6)(7", "P1=(1,2,3,4,5,6)(7,0,0)", "P1=(1,2,3,4,5,nan)", "P1=1", "Q1=(1)",
         "J1=J2+J3", "SPD", "SPD fast", "ACCEL 5", "SPD inf", "HOPEN x", "TOOL 5", "M_OUT(8)=2",
-        "M_OUT(x)=1", "MVR P1,P2,P3", "END", "P 1=P2",
+        "M_OUT(x)=1", "MVR P1,P2", "BASE 5", "END", "P 1=P2",
     ],
 )  # fmt: skip
 def test_what_is_no_statement_is_refused(text: str) -> None:
