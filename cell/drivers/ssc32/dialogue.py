@@ -61,6 +61,14 @@ class Dialogue:
         self._missed_reply = False
         self.device = device
 
+    def cancel_line(self) -> None:
+        """Take back half a line that somebody may have left in the controller.
+
+        Firmware that does not know ESC spoils the next line by it, which should therefore be
+        a question: that is asked again.
+        """
+        self._link.write(bytes((tables.ESCAPE,)))
+
     def tell(self, command: Command) -> None:
         """Send an order that is not answered; nothing says that it was heard.
 

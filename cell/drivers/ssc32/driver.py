@@ -123,6 +123,7 @@ class Ssc32Arm:
         if not self._settings.was_tried_on_hardware:
             self._on_warning(f"{self._device}: {_UNPROVEN}")
         self._on_warning(f"{self._device}: {_BLIND}")
+        self.panel.cancel_line()
         self.panel.is_moving()
         identity = self._read_version()
         offsets = [(s.channel, s.offset_us) for s in self._settings.servos if s.offset_us]

@@ -89,6 +89,8 @@ class Ssc32Gripper:
         if not settings.was_tried_on_hardware:
             self._on_warning(f"{settings.device}: {_UNPROVEN}")
         self._on_warning(f"{settings.device}: {_BLIND}")
+        self.panel.cancel_line()
+        self.panel.is_moving()
         servo = settings.servo
         if servo.offset_us:
             self.panel.set_offsets(((servo.channel, servo.offset_us),))

@@ -27,6 +27,10 @@ class ServoPanel:
     def __init__(self, dialogue: Dialogue) -> None:
         self._dialogue = dialogue
 
+    def cancel_line(self) -> None:
+        """Take back half a line that somebody may have left in the controller."""
+        self._dialogue.cancel_line()
+
     def version(self) -> str:
         """Return the firmware's version."""
         return self._dialogue.ask(QueryVersion(), _decode_version)

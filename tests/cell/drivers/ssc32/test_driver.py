@@ -113,6 +113,22 @@ def test_a_controller_that_was_moved_before_is_taken_over_where_it_stands() -> N
     assert taken.read_joints().values == pytest.approx(ABOVE.values, abs=0.6)
 
 
+def test_half_a_line_that_somebody_left_is_taken_back_before_anything_else() -> None:
+    rig = LynxRig()
+    rig.link.write(b"#0P2500")
+    rig.arm.open()
+    assert rig.bank.servos[0].jumps_us == [pytest.approx(0.0, abs=0.5)]
+
+
+def test_a_firmware_that_does_not_know_escape_is_opened_all_the_same() -> None:
+    rig = LynxRig()
+    receive = rig.emulator.receive
+    rig.emulator.receive = (  # type: ignore[method-assign]
+        lambda data, now_s: receive(data.replace(b"\x1b", b"?"), now_s)
+    )
+    assert "SSC32" in rig.arm.open()
+
+
 # Motion
 
 
