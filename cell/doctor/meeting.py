@@ -1,12 +1,28 @@
-"""How the doctor meets a cell on the twin."""
+"""How the doctor meets a cell: on the twin, over pseudo-terminals, or over the profile's ports.
+
+Drivers are not needed for that, and so nothing comes up: the doctor asks over the lines.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
+from cell.assembly.twin import assemble_twin
+from cell.assembly.wires import TwinWires, WireLoom
+from cell.clock import Clock
+from cell.devices.camera import Camera
 from cell.doctor.patient import OpenLine, Patient
+from cell.errors import CellError, LedgerError
+from cell.ledger import Ledger
+from cell.links.base import Link
 from cell.links.memory import MemoryLink
+from cell.profile import Profile
+from cell.stop import StopToken
+from cell.store import StorePlan
 from cell.twin_cell import TwinCell
 
 
@@ -20,10 +36,128 @@ def patient_of_twin(
         lattice: Columns and rows of the widest world that is played.
         views: Names of the cameras that the script's views need.
     """
-    return Patient.of_cell(cell, lines_of_twin(cell), lattice=lattice, views=views)
-
-
-def lines_of_twin(cell: TwinCell) -> Mapping[str, OpenLine]:
-    """Return how to open the lines of a twin's emulated devices."""
     wires = cell.behind.wires
-    return {name: partial(MemoryLink, name, wire, cell.clock) for name, wire in wires.items()}
+    lines = {name: partial(MemoryLink, name, wire, cell.clock) for name, wire in wires.items()}
+    return Patient.of_cell(cell, lines, lattice=lattice, views=views)
+
+
+@contextmanager
+def meet_twin(
+    profile: Profile,
+    plan: StorePlan,
+    *,
+    clock: Clock,
+    state_folder: Path | None = None,
+    wires: TwinWires = "memory",
+    lattice: tuple[int, int] = (12, 12),
+    views: tuple[str, ...] = (),
+) -> Iterator[Patient]:
+    """Put a twin together for the doctor, and away afterwards.
+
+    Where what is kept in the folder cannot be used, which is a finding of its own, a twin
+    with a clean world is examined.
+
+    Raises:
+        StillHeld: Another process has the cell.
+        CellError: The profile's figures cannot be used, or there are no pseudo-terminals.
+    """
+    has_state = state_folder is not None and state_folder.is_dir()
+    is_ledger_lost = False
+    try:
+        cell = assemble_twin(
+            profile, plan, seed=0, clock=clock, state_folder=state_folder if has_state else None
+        )
+    except CellError:
+        if not has_state:
+            raise
+        is_ledger_lost = True
+        cell = assemble_twin(profile, plan, seed=0, clock=clock)
+    try:
+        patient = patient_of_twin(cell, lattice=lattice, views=views)
+        if is_ledger_lost:
+            patient = replace(patient, ledger=None)
+        if wires == "memory":
+            yield patient
+            return
+        loom = WireLoom.over_pty(profile, cell.behind.wires, clock, None, StopToken())
+        try:
+            yield replace(patient, lines=borrowed_lines(loom))
+        finally:
+            loom.close()
+    finally:
+        cell.dispose()
+
+
+@contextmanager
+def meet_hardware(
+    profile: Profile,
+    plan: StorePlan,
+    *,
+    clock: Clock,
+    cameras: Mapping[str, Camera],
+    state_folder: Path | None = None,
+    lattice: tuple[int, int] = (12, 12),
+    views: tuple[str, ...] = (),
+) -> Iterator[Patient]:
+    """Make a cell's ports and cameras ready for the doctor; no port is opened before its turn."""
+    loom = WireLoom.over_ports(profile, clock, None, StopToken())
+    ledger = _kept_ledger(state_folder)
+    try:
+        yield Patient(
+            profile=profile,
+            plan=plan,
+            clock=clock,
+            lines=borrowed_lines(loom),
+            cameras=cameras,
+            ledger=ledger,
+            lattice=lattice,
+            views=views,
+            riding_cameras=riding_cameras(profile),
+        )
+    finally:
+        loom.close()
+        if ledger is not None:
+            ledger.close()
+
+
+def riding_cameras(profile: Profile) -> tuple[str, ...]:
+    """Return the names of the cameras that hang on the arm."""
+    placed = profile.twin.cameras
+    return tuple(name for name, camera in placed.items() if camera.mount == "flange")
+
+
+def borrowed_lines(loom: WireLoom) -> dict[str, OpenLine]:
+    """Return the lines of a loom as the doctor opens them; the loom closes them in the end."""
+    return {name: partial(_Borrowed, link) for name, link in loom.links.items()}
+
+
+def _kept_ledger(state_folder: Path | None) -> Ledger | None:
+    """Return the ledger of a folder; none is made where there is none, which means no block out."""
+    path = None if state_folder is None else state_folder / "ledger.sqlite"
+    try:
+        return Ledger(path if path is not None and path.is_file() else None)
+    except LedgerError:
+        return None
+
+
+class _Borrowed:
+    """A link that its user does not close."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+
+    @property
+    def name(self) -> str:
+        """Name of the device behind the link."""
+        return self._link.name
+
+    def write(self, data: bytes) -> None:
+        """Send all bytes."""
+        self._link.write(data)
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return what has arrived, waiting for at least one byte."""
+        return self._link.read(timeout_s)
+
+    def close(self) -> None:
+        """Leave the link open: whoever lent it closes it."""
