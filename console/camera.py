@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
@@ -27,7 +27,9 @@ def list_cameras(*, options: HandOptions = DEFAULTS) -> int:
     """
     from cell.errors import CellError
 
-    def found(camera: Camera) -> str:
+    def found(camera: Camera | None) -> str:
+        if camera is None:
+            return "not reached over these wires"
         try:
             return str(camera.identity)
         except CellError as error:
@@ -35,7 +37,7 @@ def list_cameras(*, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         rows = [
-            (name, str(entry.number), entry.model, entry.guid, found(hands.cell.cameras[name]))
+            (name, str(entry.number), entry.model, entry.guid, found(hands.cell.cameras.get(name)))
             for name, entry in hands.cell.profile.cameras.items()
         ]
         headings = ("name", "number", "model", "guid", "found")
@@ -197,7 +199,7 @@ def _feature(name: str) -> FeatureName:
 
     if name not in FEATURE_NAMES:
         raise ConsoleError(f"there is no feature {name!r}; there are {', '.join(FEATURE_NAMES)}")
-    return cast("FeatureName", name)
+    return name
 
 
 def _assignment(text: str) -> tuple[FeatureName, float]:

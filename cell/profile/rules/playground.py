@@ -65,7 +65,7 @@ def _fingertips(profile: Profile) -> Iterator[Problem]:
 
 
 def _block_heights(profile: Profile) -> Iterator[Problem]:
-    """The fingertips reach down to every block, and a carried block passes over every other."""
+    """At the laying height the fingertips reach every kind of block."""
     heights, gripper = profile.heights, profile.gripper
     tips_mm = heights.laying_mm - gripper.tip_below_tool_mm
     for kind, block in profile.blocks.items():
@@ -77,15 +77,23 @@ def _block_heights(profile: Profile) -> Iterator[Problem]:
                 f"{tips_mm:g} mm: they would close above it",
                 other=("heights", "laying_mm"),
             )
-        carried_mm = heights.service_mm - (heights.laying_mm - heights.surface_mm)
-        if carried_mm <= top_mm:
-            yield Problem(
-                ("heights", "service_mm"),
-                f"at {heights.service_mm:g} mm the bottom of a carried block is at "
-                f"{carried_mm:g} mm, and a {kind} on the table ends at {top_mm:g} mm: they would "
-                "collide",
-                other=("blocks", kind, "height_mm"),
-            )
+
+
+def _carried_blocks(profile: Profile) -> Iterator[Problem]:
+    """At the service height a carried block passes over the highest other."""
+    heights = profile.heights
+    if heights.service_mm <= heights.laying_mm or not profile.blocks:
+        return
+    kind, block = max(profile.blocks.items(), key=lambda entry: entry[1].height_mm)
+    top_mm = heights.surface_mm + block.height_mm
+    carried_mm = heights.service_mm - (heights.laying_mm - heights.surface_mm)
+    if carried_mm <= top_mm:
+        yield Problem(
+            ("heights", "service_mm"),
+            f"at {heights.service_mm:g} mm the bottom of a carried block is at {carried_mm:g} mm, "
+            f"and a {kind} on the table ends at {top_mm:g} mm: they would collide",
+            other=("blocks", kind, "height_mm"),
+        )
 
 
 def _block_sizes(profile: Profile) -> Iterator[Problem]:
@@ -139,6 +147,7 @@ PLAYGROUND_RULES = (
     PlaygroundRule(("heights",), _heights),
     PlaygroundRule(("heights", "gripper"), _fingertips),
     PlaygroundRule(("heights", "gripper", "blocks"), _block_heights),
+    PlaygroundRule(("heights", "blocks"), _carried_blocks),
     PlaygroundRule(("gripper", "blocks"), _block_sizes),
     PlaygroundRule(("blocks",), _block_shapes),
     PlaygroundRule(("gripper",), _fingers),
