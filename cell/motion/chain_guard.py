@@ -32,6 +32,8 @@ LINE_STEP_DEG = 2.0
 _JUMP_DEG = 15.0
 _HALVINGS = 14
 _STILL = 1e-6
+_ROUNDING = 1e-6
+"""Share of a joint's speed by which rounding may exceed it."""
 
 
 class LineLaw(Protocol):
@@ -198,7 +200,7 @@ class ChainGuard:
     ) -> None:
         """Refuse a line that some joint cannot follow; the stretches take equal times."""
         step_s = duration_s / (len(path) - 1)
-        worst, worst_axis = 1.0, -1
+        worst, worst_axis = 1.0 + _ROUNDING, -1
         for here, there in pairwise(path):
             for axis, (a, b, speed) in enumerate(
                 zip(here.values, there.values, self._arm.joint_speed, strict=True)

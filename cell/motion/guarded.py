@@ -23,9 +23,9 @@ from cell.errors import (
 )
 from cell.events import DeviceFailed, EventBus, MotionFinished, MotionRejected
 from cell.geometry import JointPositions, Pose
-from cell.motion.guard import Guard, GuardedMove
+from cell.motion.guard import GuardedMove
 from cell.motion.hold import Hold, ResumeGate
-from cell.profile import MelfaProfile
+from cell.motion.motion_guard import MotionFigures, MotionGuard
 from cell.recovery.diagnosis import fault_of, fault_of_arm
 from cell.recovery.faults import Deed, DeviceName
 from cell.recovery.policy import deed_for
@@ -44,7 +44,12 @@ class GuardedArm:
     """
 
     def __init__(
-        self, arm: Arm, guard: Guard, profile: MelfaProfile, events: EventBus, stop: StopToken
+        self,
+        arm: Arm,
+        guard: MotionGuard,
+        profile: MotionFigures,
+        events: EventBus,
+        stop: StopToken,
     ) -> None:
         self._reporter = FaultReporter(events)
         self._arm = arm if profile.enabled else _absent(guard, profile, self._reporter)
@@ -66,7 +71,7 @@ class GuardedArm:
         return self._arm
 
     @property
-    def guard(self) -> Guard:
+    def guard(self) -> MotionGuard:
         """The guard that every motion passes."""
         return self._guard
 
@@ -326,7 +331,7 @@ class GuardedArm:
             self._events.emit(DeviceFailed("arm", f"could not be stopped: {error}"))
 
 
-def _absent(guard: Guard, profile: MelfaProfile, reporter: FaultReporter) -> Arm:
+def _absent(guard: MotionGuard, profile: MotionFigures, reporter: FaultReporter) -> Arm:
     return AbsentArm(
         JointPositions(profile.rest_deg),
         forward=guard.arm.forward,

@@ -9,14 +9,25 @@ from cell.motion.guard import GuardedMove
 
 
 class PlacesTool(Protocol):
-    """Where joints bring the tool point."""
+    """Where joints bring the tool point, and the other way round."""
 
     def forward(self, joints: JointPositions) -> Pose:
         """Return where the tool point is."""
 
+    def solve(self, pose: Pose, posture: int, near: JointPositions | None = None) -> JointPositions:
+        """Return the joints for a pose in a posture.
+
+        Raises:
+            UnreachablePose: None within the limits give the pose.
+        """
+
 
 class MotionFigures(Protocol):
     """The figures of an arm's profile that its guarded motions need."""
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the cell has its arm."""
 
     @property
     def linear_speed_mm_s(self) -> float:

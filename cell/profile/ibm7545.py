@@ -60,3 +60,8 @@ class Ibm7545Profile(Table):
     work_space: WorkSpaceProfile | None = None
     """Where the tool point may be; anywhere in reach without it."""
     servo: ServoProfile = ServoProfile()
+
+    @property
+    def rest_deg(self) -> Four:
+        """The rest under the name that other arms' profiles have; the slide's is in mm."""
+        return self.rest

@@ -19,8 +19,8 @@ from cell.errors import (
     UnreachablePose,
 )
 from cell.geometry import JointPositions, Pose
-from cell.motion.guard import Guard
 from cell.motion.hold import Hold
+from cell.motion.motion_guard import MotionGuard
 from cell.profile import Profile
 from cell.recovery.whereabouts import strays_from, strays_from_stand
 from cell.reporting import FaultReporter
@@ -47,7 +47,7 @@ class ResumeCheck:
         profile: Profile,
         *,
         arm: OpenableArm,
-        guard: Guard,
+        guard: MotionGuard,
         gripper: Gripper,
         grip_problem: Callable[[GripperState], str],
         reporter: FaultReporter,

@@ -32,7 +32,13 @@ from cell.drivers.ibm7545.registers import (
 from cell.drivers.ibm7545.servo import Servo, fault
 from cell.drivers.ibm7545.settings import ScaraSettings
 from cell.drivers.ibm7545.trajectory import Course, Pace, Trajectory, joint_course, line_course
-from cell.errors import CellError, DeviceError, DeviceTimeout, UnreachablePose
+from cell.errors import (
+    CellError,
+    DeviceError,
+    DeviceRestarted,
+    DeviceTimeout,
+    UnreachablePose,
+)
 from cell.geometry import JointPositions, Pose
 from cell.kinematics.arm import ArmKinematics
 from cell.stop import StopToken
@@ -256,7 +262,7 @@ class Ibm7545Arm:
             raise fault(self._bus.device, alarm)
         if self._was_restarted(answer):
             self._is_ready = self._is_home_known = False
-            raise DeviceError(
+            raise DeviceRestarted(
                 self._bus.device,
                 "the slave was switched off and on, so it does not know where home is",
                 hint=_REOPEN_HINT,

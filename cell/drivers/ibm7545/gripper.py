@@ -43,13 +43,16 @@ class RegisterGripper:
         self._device = device
         self._on_warning = on_warning
 
-    def open(self) -> str:
-        """Return the identity; there is nothing to refer or to acknowledge."""
+    def open(self, *, may_move: bool = True) -> str:
+        """Return the identity; nothing moves, with or without leave."""
         self._on_warning(f"{self._device}: it has no sensor; a grip is not checked")
         return "pneumatic gripper on the IBM 7545's slave"
 
     def close(self) -> None:
         """Leave the fingers as they are."""
+
+    def reference(self) -> None:
+        """Do nothing: it knows two positions and needs no zero."""
 
     def move_to(self, opening_mm: float) -> None:
         """Open or close, whichever is nearer to the opening asked for.
