@@ -50,10 +50,11 @@ def panorama(
     pixels *= np.float32(0.5 + 0.5 * state.brightness / _MIDDLE_BRIGHTNESS)
     picture = np.ascontiguousarray(np.clip(np.rint(pixels), 0, 255), np.uint8)
     text = f"pan {state.pan_deg:.1f}  tilt {state.tilt_deg:.1f}  zoom {state.zoom:.0f}"
-    size = max(0.3, width_px / 1000)
-    for colour, thickness in (((0, 0, 0), 4), ((255, 255, 255), 1)):
-        cv2.putText(picture, text, (8, height_px - 12), cv2.FONT_HERSHEY_SIMPLEX, size, colour,
-                    thickness, cv2.LINE_AA)  # fmt: skip
+    size, row = max(0.3, width_px / 1000), height_px - 12
+    # A dark copy beside the light one keeps the text legible on every square.
+    for shift, colour in ((1, (0, 0, 0)), (0, (255, 255, 255))):
+        at = (8 + shift, row + shift)
+        cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)
     return picture
 
 
