@@ -186,17 +186,19 @@ def _assemble_hardware(
     profile: Profile, plan: StorePlan, folder: Path, tap: Tap | None
 ) -> RobotCell:
     from cell.assembly import assemble_hardware
+    from cell.assembly.cameras import hardware_cameras
     from cell.clock import SystemClock
     from console.hand_screen import HandScreen
 
     logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(message)s")
+    clock = SystemClock()
     return assemble_hardware(
         profile,
         plan,
-        clock=SystemClock(),
+        clock=clock,
         state_folder=folder,
         screen=HandScreen(profile.display, folder),
-        cameras={},
+        cameras=hardware_cameras(profile, clock),
         tap=tap,
     )
 
