@@ -71,6 +71,7 @@ COMMANDS: Final = (
         "console.emulate:emulate",
         "Run emulated devices behind ports, for any program.",
     ),
+    Command("bringup", "", "console.bringup:bringup", "Bring the cell up step by step."),
     Command("doctor", "", "console.doctor:doctor", "Find out why the cell does not work."),
     Command("clean", "", "console.clean:clean", "Bring every block back to the store."),
     Command(

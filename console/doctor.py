@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from cell.doctor import Environment, Finding, Patient, Report
     from cell.doctor.learned import LearnedPicture
     from cell.profile import Profile
+    from cell.robot_cell import RobotCell
 
 Wires = Literal["memory", "pty", "hardware"]
 ComponentName = Literal[
@@ -74,6 +75,25 @@ def examine_cell(
     profile: Profile, script: str, wires: Wires, *, component: ComponentName | None = None
 ) -> Report:
     """Examine the cell of a profile; progress goes to stderr."""
+    return _examine(
+        profile, script, wires, component, lambda what: say(f"looking at: {what}", "dim")
+    )
+
+
+def examine_quietly(
+    profile: Profile, script: str, wires: Wires, component: ComponentName
+) -> Report:
+    """Examine one component of the cell of a profile, and what it depends on."""
+    return _examine(profile, script, wires, component, lambda what: None)
+
+
+def _examine(
+    profile: Profile,
+    script: str,
+    wires: Wires,
+    component: ComponentName | None,
+    progress: Callable[[str], None],
+) -> Report:
     from cell.doctor import examine
 
     folder = cell_folder(profile.name)
@@ -83,7 +103,7 @@ def examine_cell(
         meeting(profile, script, wires),
         only=component,
         learned=_learned(folder),
-        progress=lambda what: say(f"looking at: {what}", "dim"),
+        progress=progress,
     )
 
 
@@ -107,12 +127,15 @@ def meeting(
     folder = cell_folder(profile.name)
     plan = store_plan(loaded)
     if wires == "hardware":
+        from cell.assembly.cameras import hardware_cameras
+
+        clock = SystemClock()
         return partial(
             meet_hardware,
             profile,
             plan,
-            clock=SystemClock(),
-            cameras={},
+            clock=clock,
+            cameras=hardware_cameras(profile, clock),
             state_folder=folder,
             lattice=lattice,
             views=views,
@@ -212,37 +235,48 @@ def _learned(folder: Path) -> Mapping[str, LearnedPicture]:
 
 def _learn(profile: Profile, script: str, wires: Wires, *, as_json: bool) -> int:
     """Bring a healthy cell up, keep its pictures, and switch it off again."""
-    from cell.assembly import assemble_twin
-    from cell.clock import SimulatedClock
     from cell.doctor.learned import keep_learned, learn
-    from console.exits import ConsoleError
-    from console.scripts import load_script
-    from sessions.hosting import store_plan
 
-    if wires == "hardware":
-        raise ConsoleError("--learn needs the cameras, which --wires hardware does not reach yet")
-    folder = cell_folder(profile.name)
     say("bringing the cell up; the arm will stand aside", "dim")
-    cell = assemble_twin(
-        profile,
-        store_plan(load_script(script)),
-        seed=0,
-        clock=SimulatedClock(),
-        state_folder=folder,
-        wires=wires,
-    )
+    cell = assemble(profile, script, wires)
     try:
         cell.open()
         learned = learn(cell)
         cell.close()
     finally:
         cell.dispose()
-    keep_learned(folder, learned)
+    keep_learned(cell_folder(profile.name), learned)
     if as_json:
         put_json({"learned": sorted(learned)})
     else:
         put(f"kept healthy pictures of {', '.join(sorted(learned))}")
     return Exit.DONE
+
+
+def assemble(profile: Profile, script: str, wires: Wires) -> RobotCell:
+    """Put the cell of a profile together, closed; whoever called disposes of it."""
+    from cell.assembly import assemble_hardware, assemble_twin
+    from cell.clock import SimulatedClock, SystemClock
+    from console.scripts import load_script
+    from sessions.hosting import store_plan
+
+    folder = cell_folder(profile.name)
+    plan = store_plan(load_script(script))
+    if wires != "hardware":
+        clock = SimulatedClock()
+        return assemble_twin(profile, plan, seed=0, clock=clock, state_folder=folder, wires=wires)
+    from cell.assembly.cameras import hardware_cameras
+    from console.hand_screen import HandScreen
+
+    steady = SystemClock()
+    return assemble_hardware(
+        profile,
+        plan,
+        clock=steady,
+        state_folder=folder,
+        screen=HandScreen(profile.display, folder),
+        cameras=hardware_cameras(profile, steady),
+    )
 
 
 def _why_no_world(profile: Profile, script: str) -> str:
