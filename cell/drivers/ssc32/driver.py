@@ -9,6 +9,8 @@ loss it does not notice. What follows from that:
 * Orders are not answered, so every motion begins, goes on and ends with a question for the
   pulses. A controller that was restarted has none (0): it must not be sent a move then,
   because the first pulse after power-up makes a servo jump to it at full speed.
+* Every order but the first carries each servo's greatest speed besides the time, so that the
+  controller itself keeps an arm from leaping that is not where the driver thinks.
 * Straight lines are cut into short joint moves here, planned and checked as a whole before
   the first is sent, and streamed in step with the clock. A stop falls between two of them.
 * After `close` the servos go on holding the arm. Without pulses it would fall.
@@ -25,9 +27,10 @@ from cell.devices.arm import ArmState, Interpolation
 from cell.drivers.ssc32.commands import Move, ServoTarget
 from cell.drivers.ssc32.dialogue import Dialogue, log_repeat
 from cell.drivers.ssc32.line import straight_line
-from cell.drivers.ssc32.panel import ServoPanel
+from cell.drivers.ssc32.panel import ServoPanel, agree
+from cell.drivers.ssc32.servo_map import speed_cap_us_s
 from cell.drivers.ssc32.settings import Ssc32Settings
-from cell.drivers.ssc32.tables import CHANNELS, GREATEST_TIME_MS, QUERY_UNIT_US
+from cell.drivers.ssc32.tables import CHANNELS, GREATEST_TIME_MS
 from cell.errors import CellError, DeviceError, DeviceTimeout, UnreachablePose
 from cell.geometry import JointPositions, Pose
 from cell.kinematics.lynx import LynxArm
@@ -39,6 +42,10 @@ _log = logging.getLogger(__name__)
 FIRST_ORDER = (1, 2, 3, 4, 0)
 """Joints of the first pose, one after the other: the arm is lifted before it is turned."""
 
+_MOVING_US = 50
+"""How far pulses may change between two questions while the arm moves."""
+_HOLD_LOOKS = 25
+_HOLD_PAUSE_S = 0.02
 _LIMIT_SLACK_DEG = 1e-6
 _TURN_STEP_DEG = 2.0
 _UNPROVEN = "this driver was never tried on hardware; keep a hand at the servo supply's switch"
@@ -87,6 +94,16 @@ class Ssc32Arm:
         self._on_warning = on_warning
         self._token = token
         self._channels = tuple(servo.channel for servo in settings.servos)
+        self._caps_us_s = tuple(
+            speed_cap_us_s(servo.map, low, high, speed, settings.segment_s)
+            for servo, low, high, speed in zip(
+                settings.servos,
+                kinematics.joint_min,
+                kinematics.joint_max,
+                kinematics.joint_speed,
+                strict=True,
+            )
+        )
         self._sent_us: tuple[int, ...] | None = None
         self._outputs: dict[int, bool] = {}
         self._identity = ""
@@ -117,19 +134,19 @@ class Ssc32Arm:
             DeviceTimeout: The controller does not answer.
             Stopped: A stop was asked for while the first pose was announced or taken.
         """
-        if self._identity and all(self.panel.pulses_us(self._channels)):
+        if self._identity and all(self._told_on_the_way_us()):
             return self._identity
         self._identity = ""
         if not self._settings.was_tried_on_hardware:
             self._on_warning(f"{self._device}: {_UNPROVEN}")
         self._on_warning(f"{self._device}: {_BLIND}")
         self.panel.cancel_line()
-        self.panel.is_moving()
+        self.stop()
         identity = self._read_version()
         offsets = [(s.channel, s.offset_us) for s in self._settings.servos if s.offset_us]
         if offsets:
             self.panel.set_offsets(offsets)
-        pulses_us = self.panel.pulses_us(self._channels)
+        pulses_us = self._told_us()
         if all(pulses_us):
             self._adopt(pulses_us)
         else:
@@ -249,18 +266,32 @@ class Ssc32Arm:
         """
         if self._settings.knows_stop:
             self.panel.stop_servos(self._channels)
-        if not self.panel.is_moving():
+        is_moving, sent = self.panel.is_moving(), self._sent_us
+        pulses_us = self.panel.sure_pulses_us(self._channels, sent, within_us=_MOVING_US)
+        # One strange answer must not keep a moving arm from being stopped.
+        if not is_moving and (sent is None or agree(sent, pulses_us)):
             return
-        pulses_us = self.panel.pulses_us(self._channels)
         held = tuple(
-            ServoTarget(channel, pulse)
-            for channel, pulse in zip(self._channels, pulses_us, strict=True)
+            ServoTarget(channel, pulse, cap)
+            for channel, pulse, cap in zip(self._channels, pulses_us, self._caps_us_s, strict=True)
             if pulse
         )
         if held:
             self.panel.move(Move(held))
-            self.panel.is_moving()
+            self._await_held()
         self._sent_us = pulses_us if all(pulses_us) else None
+
+    def _await_held(self) -> None:
+        """Wait until the arm stands that was told to stay where it is."""
+        for _ in range(_HOLD_LOOKS):
+            if not self.panel.is_moving():
+                return
+            self._clock.sleep(_HOLD_PAUSE_S)
+        raise DeviceTimeout(
+            self._device,
+            f"still moving {_HOLD_LOOKS * _HOLD_PAUSE_S:g} s after it was told to stop",
+            hint="switch the servo supply off; check that nobody else sends to the controller",
+        )
 
     # What it tells
 
@@ -288,7 +319,7 @@ class Ssc32Arm:
         A servo that gets pulses counts as on, although nothing tells whether its supply is.
         An emergency stop or an alarm is never reported, because there is none.
         """
-        pulses_us = self.panel.pulses_us(self._channels)
+        pulses_us = self._told_on_the_way_us()
         is_on = all(pulses_us)
         return ArmState(
             is_servo_on=is_on,
@@ -368,7 +399,7 @@ class Ssc32Arm:
                 self._check_token()
                 self.panel.move(Move((ServoTarget(self._channels[index], targets[index]),)))
                 self._sleep(settings.first_joint_s)
-        now_us = self.panel.pulses_us(self._channels)
+        now_us = self.panel.sure_pulses_us(self._channels)
         if not all(now_us):
             raise DeviceError(
                 self._device, f"the first pose was not taken: {self._unpulsed(now_us)}",
@@ -385,12 +416,23 @@ class Ssc32Arm:
     def _adopt(self, pulses_us: tuple[int, ...]) -> None:
         """Take over what the controller commands, more exactly where it was sent from here."""
         sent = self._sent_us
-        if sent is None or not _agree(sent, pulses_us):
+        if sent is None or not agree(sent, pulses_us):
             self._sent_us = pulses_us
+
+    def _told_us(self) -> tuple[int, ...]:
+        """Return the pulses of an arm at rest, believed only if told twice or sent."""
+        return self.panel.sure_pulses_us(self._channels, self._sent_us)
+
+    def _told_on_the_way_us(self) -> tuple[int, ...]:
+        """Return pulses that may be changing; that there are none is believed if told twice."""
+        pulses_us = self.panel.pulses_us(self._channels)
+        if all(pulses_us):
+            return pulses_us
+        return self.panel.sure_pulses_us(self._channels, within_us=_MOVING_US)
 
     def _standing(self) -> JointPositions:
         """Return the commanded joint angles, asked for now."""
-        pulses_us = self.panel.pulses_us(self._channels)
+        pulses_us = self._told_us()
         self._require_pulses(pulses_us)
         self._adopt(pulses_us)
         return self._joints(self._sent_us or pulses_us)
@@ -445,7 +487,7 @@ class Ssc32Arm:
                 # Whoever is late starts a new beat: the servos waited where they were.
                 due_s = max(due_s, now_s - self._settings.segment_s) + duration_s
                 if every and number % every == 0:
-                    self._require_pulses(self.panel.pulses_us(self._channels))
+                    self._require_pulses(self._told_on_the_way_us())
                 if not every:
                     self._watch(duration_s)
                 self._clock.sleep(due_s - self._clock.now_s())
@@ -456,8 +498,8 @@ class Ssc32Arm:
 
     def _send(self, pulses_us: tuple[int, ...], duration_s: float) -> None:
         targets = tuple(
-            ServoTarget(channel, pulse)
-            for channel, pulse in zip(self._channels, pulses_us, strict=True)
+            ServoTarget(channel, pulse, cap)
+            for channel, pulse, cap in zip(self._channels, pulses_us, self._caps_us_s, strict=True)
         )
         self._sent_us = pulses_us
         self.panel.move(Move(targets, max(1, math.ceil(duration_s * 1000.0 - 1e-6))))
@@ -467,7 +509,7 @@ class Ssc32Arm:
         for _ in range(int(duration_s / self._settings.watch_s)):
             self._clock.sleep(self._settings.watch_s)
             self._check_token()
-            self._require_pulses(self.panel.pulses_us(self._channels))
+            self._require_pulses(self._told_on_the_way_us())
 
     def _await_end(self, pulses_us: tuple[int, ...]) -> None:
         deadline_s = self._clock.now_s() + self._settings.margin_s
@@ -481,9 +523,9 @@ class Ssc32Arm:
                 )
             self._clock.sleep(self._settings.segment_s)
         self._clock.sleep(self._settings.settle_s)
-        now_us = self.panel.pulses_us(self._channels)
+        now_us = self.panel.sure_pulses_us(self._channels, pulses_us)
         self._require_pulses(now_us)
-        if not _agree(pulses_us, now_us):
+        if not agree(pulses_us, now_us):
             raise DeviceError(
                 self._device,
                 f"the move ended at {self._joints(now_us)} deg instead of "
@@ -552,11 +594,6 @@ class Ssc32Arm:
         for _ in range(slices):
             self._check_token()
             self._clock.sleep(duration_s / slices)
-
-
-def _agree(sent_us: Sequence[int], told_us: Sequence[int]) -> bool:
-    """Return whether pulses that were sent can be those that were told, in whole units."""
-    return all(abs(a - b) <= QUERY_UNIT_US for a, b in zip(sent_us, told_us, strict=True))
 
 
 def _figures(pose: Pose) -> tuple[float, ...]:

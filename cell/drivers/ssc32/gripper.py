@@ -24,6 +24,8 @@ from cell.stop import StopToken
 
 _log = logging.getLogger(__name__)
 
+_MOVING_US = 50
+"""How far the pulse may change between two questions while the fingers move."""
 _SLACK_MM = 1e-6
 _UNPROVEN = "this driver was never tried on hardware; watch its first motions"
 _BLIND = (
@@ -188,10 +190,11 @@ class Ssc32Gripper:
 
     def stop(self) -> None:
         """Stop the fingers where their pulse is at the moment, to within 10 us."""
-        if not self.panel.is_moving():
-            return
+        is_moving, sent_us = self.panel.is_moving(), self._sent_us
         pulse_us = self._pulse_us()
-        if pulse_us:
+        is_there = sent_us is None or abs(sent_us - pulse_us) <= QUERY_UNIT_US
+        # One strange answer must not keep moving fingers from being stopped.
+        if pulse_us and (is_moving or not is_there):
             self.panel.move(Move((ServoTarget(self._channel, pulse_us),)))
             self._sent_us = pulse_us
             self.panel.is_moving()
@@ -288,7 +291,8 @@ class Ssc32Gripper:
             self._on_warning(f"{error}; the fingers could not be told to stop")
 
     def _pulse_us(self) -> int:
-        return self.panel.pulses_us((self._channel,))[0]
+        expected = None if self._sent_us is None else (self._sent_us,)
+        return self.panel.sure_pulses_us((self._channel,), expected, within_us=_MOVING_US)[0]
 
     def _require_pulse(self) -> int:
         pulse_us = self._pulse_us()

@@ -19,6 +19,10 @@ from cell.drivers.ssc32.commands import (
     StopServo,
 )
 from cell.drivers.ssc32.dialogue import Dialogue
+from cell.drivers.ssc32.tables import QUERY_UNIT_US
+from cell.errors import DeviceError
+
+_SURE_TRIES = 4
 
 
 class ServoPanel:
@@ -42,6 +46,41 @@ class ServoPanel:
     def pulses_us(self, channels: Sequence[int]) -> tuple[int, ...]:
         """Return the commanded pulse widths, to within 10 us; 0 for none since power-up."""
         return self._dialogue.ask(QueryPulses(tuple(channels)), codec.decode_pulses)
+
+    def sure_pulses_us(
+        self,
+        channels: Sequence[int],
+        expected_us: Sequence[int] | None = None,
+        *,
+        within_us: int = QUERY_UNIT_US,
+    ) -> tuple[int, ...]:
+        """Return commanded pulse widths that were told twice, or told as expected.
+
+        An answer has no checksum, and a bit turned over on the line is another pulse: taken
+        for where the arm is, it would make the next move a leap.
+
+        Args:
+            channels: Whose.
+            expected_us: Pulses that are believed at once.
+            within_us: How far two answers may differ; more while servos move.
+
+        Raises:
+            DeviceError: No two answers agree, or they are strange.
+            DeviceTimeout: The controller does not answer.
+        """
+        told = self.pulses_us(channels)
+        if expected_us is not None and agree(expected_us, told):
+            return told
+        for _ in range(_SURE_TRIES):
+            again = self.pulses_us(channels)
+            if agree(told, again, within_us=within_us) and _same_zeros(told, again):
+                return again
+            told = again
+        raise DeviceError(
+            self._dialogue.device,
+            f"told different pulse widths {_SURE_TRIES + 1} times in a row",
+            hint="check the cable, and that nobody else sends to the controller",
+        )
 
     def move(self, move: Move) -> None:
         """Start a move; the controller does not answer, so nothing says that it was heard."""
@@ -79,6 +118,17 @@ class ServoPanel:
     def volts(self, letters: str) -> tuple[float, ...]:
         """Return the voltages of analogue inputs, such as `AH`."""
         return self._dialogue.ask(ReadAnalogues(tuple(letters)), codec.decode_volts)
+
+
+def agree(
+    one_us: Sequence[int], other_us: Sequence[int], *, within_us: int = QUERY_UNIT_US
+) -> bool:
+    """Return whether pulses are the same, as far as the controller's units tell."""
+    return all(abs(a - b) <= within_us for a, b in zip(one_us, other_us, strict=True))
+
+
+def _same_zeros(one_us: Sequence[int], other_us: Sequence[int]) -> bool:
+    return all(bool(a) == bool(b) for a, b in zip(one_us, other_us, strict=True))
 
 
 def _decode_version(reply: bytes) -> str:

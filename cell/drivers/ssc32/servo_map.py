@@ -6,12 +6,17 @@ straight line is what one starts with, a measured map is what one ends with.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
+from cell.drivers.ssc32.tables import GREATEST_SPEED_US_S
 from cell.errors import ProfileError
 from cell.profile.lynx import ServoProfile
+
+_SLOPE_STEPS = 200
 
 
 class ServoMap(Protocol):
@@ -80,6 +85,25 @@ def servo_map(profile: ServoProfile) -> ServoMap:
     if profile.map:
         return MeasuredServoMap(profile.map)
     return LinearServoMap(centre_us=profile.centre_us, us_per_unit=profile.us_per_unit)
+
+
+def speed_cap_us_s(servo: ServoMap, low: float, high: float, speed: float, segment_s: float) -> int:
+    """Return the fastest pulse change that a servo needs, for the controller to keep to.
+
+    That of the map's steepest part at the greatest speed, and a little more: pulses are whole
+    microseconds, so a short move may be one longer than its angle.
+
+    Args:
+        servo: The map.
+        low: Least position.
+        high: Greatest position.
+        speed: Greatest speed, in units of the position a second.
+        segment_s: Shortest time of a move.
+    """
+    step = (high - low) / _SLOPE_STEPS
+    pulses = [servo.pulse_us(low + step * index) for index in range(_SLOPE_STEPS + 1)]
+    steepest = max(abs(b - a) for a, b in pairwise(pulses)) / step
+    return min(math.ceil(1.02 * steepest * speed + 1.0 / segment_s), GREATEST_SPEED_US_S)
 
 
 def _along(points: tuple[tuple[float, float], ...], at: float) -> float:

@@ -196,7 +196,7 @@ def _require_pulses(what: str, servo: Servo, low: float, high: float, unit: str)
 def _require_line(profile: LynxProfile) -> None:
     """Insist that a segment and a look at the pulses fit into a segment's time."""
     serial = profile.serial
-    characters = len("#31P2500") * len(profile.servos) + len("T500\r")
+    characters = len("#31P2500S65535") * len(profile.servos) + len("T500\r")
     characters += len("QP31") * len(profile.servos) + len("\r") + len(profile.servos)
     needed_s = characters * 10 / serial.baud + 0.005
     if needed_s > profile.segment_s:

@@ -183,6 +183,40 @@ def _beside(
     return math.dist(off, [share * w for w in way])
 
 
+def test_the_controller_is_told_every_servos_greatest_speed() -> None:
+    rig = _above_rig()
+    rig.arm.move(THERE, interpolation="linear", posture=0)
+    rig.arm.move_joints(REST)
+    slopes = [abs(servo.us_per_unit) for servo in PROFILE.servos]
+    for move in rig.moves:
+        caps = [int(cap) for cap in re.findall(r"S(\d+)", move)]
+        for cap, slope, speed in zip(caps, slopes, KINEMATICS.joint_speed, strict=True):
+            assert slope * speed <= cap <= 1.05 * slope * speed + 1.0 / SETTINGS.segment_s
+
+
+def test_a_servo_that_is_not_where_the_driver_thinks_goes_there_slowly() -> None:
+    rig = _above_rig()
+    # Somebody else turns the shoulder between the driver's question and its first order.
+    receive = rig.emulator.receive
+    speeds: list[float] = []
+
+    def meddling(data: bytes, now_s: float) -> None:
+        if data.startswith(b"#0P"):
+            if not speeds:
+                receive(b"#1P1200\r", now_s)
+            receive(data, now_s)
+            pulse, soon = (rig.emulator.pulse_us(1, now_s + t) for t in (0.0, 0.01))
+            speeds.append(abs(soon - pulse) / 0.01)
+        else:
+            receive(data, now_s)
+
+    rig.emulator.receive = meddling  # type: ignore[method-assign]
+    near = Pose(HERE.x_mm - 5.0, HERE.y_mm, HERE.z_mm, 180.0, 0.0, HERE.c_deg)
+    rig.arm.move(near, interpolation="linear", posture=0)
+    assert 800.0 < max(speeds) < 1.05 * 90.0 * 10.0
+    assert rig.arm.read_joints().values == pytest.approx(KINEMATICS.solve(near, 0).values, abs=0.06)
+
+
 def test_segments_are_sent_in_step_with_the_clock() -> None:
     rig = _above_rig()
     rig.arm.move(THERE, interpolation="linear", posture=0)
@@ -322,6 +356,60 @@ def test_a_broken_answer_never_moves_the_arm_elsewhere(fault: WireFault, seed: i
         faulty.clear()
         arm.move_joints(REST)
     assert arm.read_joints().values == pytest.approx(REST.values, abs=0.6)
+
+
+@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("is_linear", [True, False])
+def test_a_bit_turned_over_in_an_answer_never_makes_the_arm_leap(
+    seed: int, is_linear: bool
+) -> None:
+    rig = _above_rig()
+    faulty = FaultyEmulator(rig.emulator, seed=seed)
+    link = MemoryLink("arm", faulty, rig.clock)
+    arm = Ssc32Arm(link, rig.clock, SETTINGS, KINEMATICS, on_warning=lambda text: None)
+    arm.open()
+    fastest = [0.0] * 5
+    receive = rig.emulator.receive
+
+    def watching(data: bytes, now_s: float) -> None:
+        receive(data, now_s)
+        for index, channel in enumerate(CHANNELS):
+            here, soon = (rig.emulator.pulse_us(channel, now_s + t) for t in (0.0, 0.001))
+            fastest[index] = max(fastest[index], abs(soon - here) / 0.001)
+
+    rig.emulator.receive = watching  # type: ignore[method-assign]
+    for _ in range(3):
+        faulty.inject(WireFault.CORRUPTED)
+    try:
+        if is_linear:
+            arm.move(THERE, interpolation="linear", posture=0)
+        else:
+            arm.move_joints(REST)
+    except DeviceError:
+        # Refusing is allowed, leaping is not.
+        faulty.clear()
+    for speed, servo, allowed in zip(fastest, PROFILE.servos, KINEMATICS.joint_speed, strict=True):
+        in_deg_s = speed / abs(servo.us_per_unit)
+        assert in_deg_s <= 1.05 * allowed + 4.0, f"seed {seed}"
+
+
+def test_a_strange_answer_does_not_keep_a_moving_arm_from_being_stopped() -> None:
+    rig = opened_rig()
+    rig.link.write(b"#1P1800T3000\r")
+    rig.clock.sleep(0.5)
+    answers = iter((b".",))
+    transmit = rig.emulator.transmit
+
+    def lying(now_s: float) -> bytes:
+        data = transmit(now_s)
+        return next(answers, data) if data == b"+" else data
+
+    rig.emulator.transmit = lying  # type: ignore[method-assign]
+    rig.arm.stop()
+    standing = rig.pulses_us()
+    rig.clock.sleep(1.0)
+    assert rig.pulses_us() == standing
+    assert standing[1] < 1100.0
 
 
 # What it tells
