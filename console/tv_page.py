@@ -62,24 +62,34 @@ def tv_page(
 
 
 def _tell_changes(screen: KioskScreen, received: list[int]) -> None:
-    """Tell what is on the screen whenever that changes, until a signal comes."""
+    """Tell what is on the screen whenever that changes, until a signal comes.
+
+    A trouble is told when it lasts: a page that has just come has said nothing yet.
+    """
     seen, told = 0, ""
     while not received:
-        seen, _ = screen.await_change(seen, _LOOK_S)
-        state = _state(screen)
-        if state != told:
+        before = seen
+        seen, _ = screen.await_change(before, _LOOK_S)
+        trouble = _trouble(screen)
+        state = trouble or _picture(screen)
+        if state != told and (not trouble or seen == before):
             say(state)
             told = state
 
 
-def _state(screen: KioskScreen) -> str:
-    """Return what is on the screen, or why it is not, in a line."""
+def _trouble(screen: KioskScreen) -> str:
+    """Return why the picture is not on the screen, or an empty text."""
     from cell.errors import DeviceError
 
     try:
         screen.check()
     except DeviceError as error:
         return str(error)
+    return ""
+
+
+def _picture(screen: KioskScreen) -> str:
+    """Return what is on the screen."""
     painted = screen.painted()
     if not screen.shown() or not painted:
         return "screen: a page is connected and waits for a picture"

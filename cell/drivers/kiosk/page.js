@@ -5,9 +5,11 @@
   const waiting = document.getElementById("waiting");
   const LEAST_WAIT_MS = 250;
   const MOST_WAIT_MS = 2000;
+  const LOOK_MS = 250;
   let socket = null;
   let wait = LEAST_WAIT_MS;
   let wanted = null;
+  let told = "";
 
   const view = () => ({
     window_px: [window.innerWidth, window.innerHeight],
@@ -24,7 +26,16 @@
     }
   };
 
-  const sayView = () => say({ kind: "view", view: view() });
+  const sayView = () => {
+    const now = view();
+    told = JSON.stringify(now);
+    say({ kind: "view", view: now });
+  };
+
+  // Not every change has an event everywhere: zoom, another screen, the desktop's scaling.
+  const lookAtView = () => {
+    if (JSON.stringify(view()) !== told) sayView();
+  };
 
   const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
 
@@ -111,12 +122,6 @@
     }
   };
 
-  // A change of the pixel ratio alone (another screen, zoom) fires no resize everywhere.
-  const watchRatio = () => {
-    const query = window.matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`);
-    query.addEventListener("change", () => { sayView(); watchRatio(); }, { once: true });
-  };
-
   window.addEventListener("resize", sayView);
   document.addEventListener("fullscreenchange", sayView);
   document.addEventListener("visibilitychange", () => { sayView(); stayAwake(); });
@@ -126,7 +131,7 @@
       document.documentElement.requestFullscreen({ navigationUI: "hide" }).catch(() => {});
     }
   });
-  watchRatio();
+  setInterval(lookAtView, LOOK_MS);
   stayAwake();
   connect();
 })();

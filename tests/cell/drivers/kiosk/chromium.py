@@ -52,9 +52,18 @@ os.execv(sys.argv[3], sys.argv[3:])
 """Chromium reads the protocol from descriptor 3 and writes it to 4."""
 
 
+def has_chromium() -> bool:
+    """Return whether there is a Chromium."""
+    return _path() is not None
+
+
+def _path() -> str | None:
+    return shutil.which("chromium") or shutil.which("chromium-browser")
+
+
 def chromium_path() -> str:
     """Return where Chromium is; skip the test, or fail it if Chromium is demanded."""
-    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    path = _path()
     if path is not None:
         return path
     if REQUIRED:
@@ -124,6 +133,16 @@ class Chromium:
             screenWidth=width_px,
             screenHeight=height_px,
         )
+
+    def cover(self) -> str:
+        """Open another tab in front of the page and return its name."""
+        target: str = self._call("Target.createTarget", {"url": "about:blank"}, None)["targetId"]
+        return target
+
+    def uncover(self, tab: str) -> None:
+        """Close the other tab and bring the page to the front."""
+        self._call("Target.closeTarget", {"targetId": tab}, None)
+        self.call("Page.bringToFront")
 
     def evaluate(self, expression: str) -> Any:
         """Return the value of an expression on the page."""

@@ -88,11 +88,35 @@ def test_a_window_of_another_size_is_refused_and_right_again_after_a_change(
             screen.show("white")
 
 
-def test_a_scaled_page_is_refused(browser: Chromium, screen: KioskScreen) -> None:
-    browser.open(screen.url, 960, 540, ratio=2.0)
-    await_pages(screen, lambda pages: bool(pages) and pages[0].view is not None)
-    with pytest.raises(DeviceError, match="scaled by 2.*100 %"):
+def test_a_scaled_page_is_refused_until_it_is_scaled_no_more(
+    browser: Chromium, screen: KioskScreen
+) -> None:
+    browser.open(screen.url, WIDTH_PX, HEIGHT_PX)
+    screen.show("white")
+    for ratio in (2.0, 1.25):
+        browser.resize(WIDTH_PX, HEIGHT_PX, ratio)
+        await_pages(screen, lambda pages: pages[0].view.pixel_ratio != 1.0)
+        with pytest.raises(DeviceError, match=f"scaled by {ratio:g}.*100 %"):
+            screen.check()
+        browser.resize(WIDTH_PX, HEIGHT_PX)
+        await_pages(screen, lambda pages: pages[0].view.pixel_ratio == 1.0)
         screen.check()
+
+
+def test_a_page_behind_another_tab_is_said_to_be_hidden_until_it_is_in_front(
+    browser: Chromium, screen: KioskScreen
+) -> None:
+    browser.open(screen.url, WIDTH_PX, HEIGHT_PX)
+    screen.show("white")
+    tab = browser.cover()
+    await_pages(screen, lambda pages: not pages[0].view.is_visible)
+    screen.send("mash")
+    with pytest.raises(DeviceError, match="hidden.*to the front"):
+        screen.check()
+    browser.uncover(tab)
+    await_pages(screen, lambda pages: pages[0].painted.number == 2)
+    screen.check()
+    assert np.array_equal(browser.screenshot(), picture("mash"))
 
 
 def test_the_page_needs_nothing_from_elsewhere_and_hides_the_cursor(
