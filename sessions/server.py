@@ -84,6 +84,7 @@ class MasServer:
         self._sockets: list[socket.socket] = []
         self._threads: list[threading.Thread] = []
         self._connections: dict[Connection, threading.Thread] = {}
+        self._served: list[threading.Thread] = []
         self._bound: tuple[Listener, ...] = ()
 
     @property
@@ -148,10 +149,11 @@ class MasServer:
         self._stopping.set()
         self._close_listeners()
         with self._lock:
-            running = dict(self._connections)
+            running = tuple(self._connections)
+            served = tuple(self._served)
         for connection in running:
             connection.finish("server stopped")
-        threads = [*self._threads, *running.values()]
+        threads = [*self._threads, *served]
         if self._part(running, threads, timeout_s, peer_grace_s):
             return
         for connection in running:
@@ -218,6 +220,8 @@ class MasServer:
                 target=self._serve, args=(connection,), name=f"mas-{peer}", daemon=True
             )
             self._connections[connection] = thread
+            # A thread still runs a little after its connection is no longer counted.
+            self._served = [one for one in self._served if one.is_alive()] + [thread]
             if room <= 0:
                 _log.warning("%s: too many connections, turned away", peer)
             thread.start()

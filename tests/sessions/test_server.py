@@ -7,6 +7,7 @@ import pytest
 
 from cell.clock import SimulatedClock
 from cell.profile import ServerProfile
+from sessions.connection import Connection
 from sessions.errors import LocalProtocolError, ServerError
 from sessions.journal import SessionStart
 from sessions.server import Listener, MasServer
@@ -367,26 +368,25 @@ def test_a_stop_sends_the_running_reply_and_leaves_a_clean_cell() -> None:
         make_desk(cell, journal_factory=open_journal), [Listener("127.0.0.1", 0, "1.5")]
     )
     server.start()
-    client, idler = RawClient(server).to_ready(), RawClient(server)
-    cell.gates["move_to"], cell.entered["move_to"] = threading.Event(), threading.Event()
-    client.send(b"ACTION RIGHT\nACTION RIGHT\n")
-    assert cell.entered["move_to"].wait(DEADLINE_S)
+    with RawClient(server) as client, RawClient(server) as idler:
+        client.to_ready()
+        cell.gates["move_to"], cell.entered["move_to"] = threading.Event(), threading.Event()
+        client.send(b"ACTION RIGHT\nACTION RIGHT\n")
+        assert cell.entered["move_to"].wait(DEADLINE_S)
 
-    stopper = threading.Thread(target=server.shutdown)
-    stopper.start()
-    assert server.wait(DEADLINE_S)
-    assert idler.is_closed_by_server()
-    cell.gates["move_to"].set()
-    stopper.join(DEADLINE_S)
+        stopper = threading.Thread(target=server.shutdown)
+        stopper.start()
+        assert server.wait(DEADLINE_S)
+        assert idler.is_closed_by_server()
+        cell.gates["move_to"].set()
+        stopper.join(DEADLINE_S)
 
-    assert not stopper.is_alive()
-    assert client.receive(1000) == b"REWARD 0\nEVENT 'Robot move'\nSTATE_UPDATED\n"
-    assert (cell.blocks_out, cell.is_open) == (0, False)
-    assert journals[0].notes[-1] == ("closed", "server stopped")
-    assert not [t for t in threading.enumerate() if t.name.startswith("mas-")]
-    server.shutdown()
-    client.socket.close()
-    idler.socket.close()
+        assert not stopper.is_alive()
+        assert client.receive(1000) == b"REWARD 0\nEVENT 'Robot move'\nSTATE_UPDATED\n"
+        assert (cell.blocks_out, cell.is_open) == (0, False)
+        assert journals[0].notes[-1] == ("closed", "server stopped")
+        assert not [t for t in threading.enumerate() if t.name.startswith("mas-")]
+        server.shutdown()
 
 
 def test_a_client_that_does_not_read_holds_no_stop_up() -> None:
@@ -426,3 +426,29 @@ def test_request_stop_lets_wait_return() -> None:
         assert not server.wait(0)
         server.request_stop()
         assert server.wait(0)
+
+
+def test_a_shutdown_waits_for_threads_whose_connections_have_just_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    may_end = threading.Event()
+    really = MasServer._serve
+
+    def serve_slowly(server: MasServer, connection: Connection) -> None:
+        really(server, connection)
+        assert may_end.wait(DEADLINE_S)
+
+    monkeypatch.setattr(MasServer, "_serve", serve_slowly)
+    server = MasServer(make_desk(FakeCell()), [Listener("127.0.0.1", 0, "1.5")])
+    server.start()
+    with RawClient(server) as client:
+        client.leave()
+    until_alone(server)
+    stopper = threading.Thread(target=server.shutdown)
+    stopper.start()
+    assert server.wait(DEADLINE_S)
+    stopper.join(0.05)
+    assert stopper.is_alive()
+    may_end.set()
+    stopper.join(DEADLINE_S)
+    assert not [t for t in threading.enumerate() if t.name.startswith("mas-")]

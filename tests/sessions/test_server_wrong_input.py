@@ -218,12 +218,11 @@ def test_a_failing_cell(
 ) -> None:
     cell = FakeCell()
     with serving(make_desk(cell)) as server:
-        client = RawClient(server).to_ready()
-        cell.failures[failing] = failure
-
-        assert client.ask(line) == reply
-
-        client.leave()
+        with RawClient(server) as client:
+            client.to_ready()
+            cell.failures[failing] = failure
+            assert client.ask(line) == reply
+            client.leave()
         assert len(wrong_lines(caplog)) == 1
         with RawClient(server) as following:
             following.to_ready().leave()
