@@ -2,7 +2,7 @@
 
 On POSIX the open port's descriptor is polled and read as it is: pyserial's own `read`
 needs two or three system calls for each byte count, and sets the port up anew whenever
-its time-out changes. Elsewhere pyserial does the reading.
+its time-out changes. Elsewhere pyserial does the reading, in slices of a fixed time-out.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import errno
 import math
 import os
 import select
+import time
 from collections.abc import Callable
 
 import serial
@@ -36,6 +37,7 @@ with contextlib.suppress(ImportError):  # Windows has no termios, nor its errors
     _REFUSALS = (ValueError, termios.error)
 
 _READ_BYTES = 4096
+_SLICE_S = 0.01
 _PARITIES = {"none": serial.PARITY_NONE, "even": serial.PARITY_EVEN, "odd": serial.PARITY_ODD}
 _MISSING = frozenset({errno.ENOENT, errno.ENXIO, errno.ENODEV, errno.EIO})
 _TAKEN = frozenset({errno.EBUSY, errno.EAGAIN})
@@ -142,14 +144,15 @@ class SerialLink:
 
     def _read_by_pyserial(self, timeout_s: float) -> bytes:
         port = self.port
-        waiting = port.in_waiting
-        if waiting:
-            return bytes(port.read(waiting))
-        if port.timeout != timeout_s:
-            # Setting it sets the whole port up anew, so only where it differs.
-            port.timeout = timeout_s
-        first = bytes(port.read(1))
-        return first + bytes(port.read(port.in_waiting)) if first else b""
+        deadline_s = time.monotonic() + timeout_s
+        while not (waiting := port.in_waiting):
+            if time.monotonic() >= deadline_s:
+                return b""
+            # In slices of the port's own time-out: changing it sets the whole port up anew.
+            first = bytes(port.read(1))
+            if first:
+                return first + bytes(port.read(port.in_waiting))
+        return bytes(port.read(waiting))
 
     def _vanished(self, error: OSError) -> DeviceVanished:
         return DeviceVanished(self._name, self._place, error.strerror or str(error))
@@ -170,6 +173,7 @@ def _open_port(name: str, profile: SerialProfile, write_timeout_s: float) -> ser
         port.stopbits = profile.stop_bits
         port.rtscts = profile.flow_control == "rts-cts"
         port.exclusive = True
+        port.timeout = _SLICE_S
         port.write_timeout = write_timeout_s
         # Adapters powered from these lines, and devices that wait for them, need them high.
         port.dtr = True

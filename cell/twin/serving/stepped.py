@@ -104,6 +104,7 @@ class SteppedLink:
     def __init__(self, wire: SteppedWire, link: Link) -> None:
         self._wire = wire
         self._link = link
+        self._is_open = True
 
     @property
     def name(self) -> str:
@@ -116,6 +117,7 @@ class SteppedLink:
         Raises:
             LinkError: The port is gone, or the link is closed.
         """
+        self._require_open()
         self._wire.send(self._link, data)
 
     def read(self, timeout_s: float) -> bytes:
@@ -124,8 +126,14 @@ class SteppedLink:
         Raises:
             LinkError: The port is gone, or the link is closed.
         """
+        self._require_open()
         return self._wire.receive(self._link, timeout_s)
 
     def close(self) -> None:
         """Let the port go; closing twice is harmless."""
+        self._is_open = False
         self._link.close()
+
+    def _require_open(self) -> None:
+        if not self._is_open:
+            raise LinkError(f"the link to {self.name} is closed")
