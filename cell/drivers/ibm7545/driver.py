@@ -98,7 +98,7 @@ class Ibm7545Arm:
         """Clear errors, find home unless it is known, and hold the arm ready.
 
         Finding home moves the slide up first, then joints 1, 2 and 4, on the slave's own
-        account: see that the way is free.
+        account: see that the way is free. Once begun, only the emergency stop ends it.
 
         Raises:
             DeviceError: Motor power is off, a joint stands past its limit, or home cannot

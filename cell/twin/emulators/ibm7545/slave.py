@@ -68,7 +68,7 @@ class Slave:
         self._now_s = 0.0
         self._event_s: float | None = None
         self._period_start_s = 0.0
-        self._homing: list[tuple[float, int]] = []
+        self._homing: list[tuple[float, int, float]] = []
         self._gripper_word = 0
         self._last: tuple[int, ...] = (0,) * JOINTS
         self._last_speeds: tuple[int, ...] = (0,) * JOINTS
@@ -90,6 +90,9 @@ class Slave:
             self._now_s = max(self._now_s, self._event_s)
             self._happen()
         self._now_s = max(self._now_s, now_s)
+        if self.mode is Mode.HOMING:
+            end_s, joint, speed = self._homing[0]
+            self.mechanics.place(joint, speed * (end_s - self._now_s))
 
     def has(self, offset: int, count: int) -> bool:
         """Return whether there are `count` registers from an offset on."""
@@ -281,13 +284,13 @@ class Slave:
         self.mode, self._homing = Mode.HOMING, []
         at_s = self._now_s
         for joint in _HOMING_ORDER:
-            way = abs(self.mechanics.positions[joint])
-            at_s += way / self._settings.homing_speed[joint]
-            self._homing.append((at_s, joint))
+            position, speed = self.mechanics.positions[joint], self._settings.homing_speed[joint]
+            at_s += abs(position) / speed
+            self._homing.append((at_s, joint, speed if position > 0 else -speed))
         self._event_s = self._homing[0][0]
 
     def _reach_home(self) -> None:
-        _, joint = self._homing.pop(0)
+        _, joint, _ = self._homing.pop(0)
         self.mechanics.place(joint, 0.0)
         self._origin[joint] = 0.0
         if self._homing:

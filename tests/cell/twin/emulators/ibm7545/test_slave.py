@@ -121,6 +121,17 @@ def test_each_overrun_sets_its_bit_and_clears_it_when_the_joint_is_back(
     assert get(slave, Register.ERROR) == 0
 
 
+def test_power_cut_on_the_way_home_leaves_the_joints_where_they_are() -> None:
+    slave = Slave(SlaveSettings(start=(60000, 30000, 19000, 4000)))
+    slave.write(Register.COMMAND, (int(Command.FIND_HOME),))
+    slave.advance(0.5)
+    assert slave.mechanics.positions == pytest.approx([60000, 30000, 9500, 4000])
+    slave.cut_motor_power(0.5, is_on=False)
+    slave.advance(60.0)
+    assert slave.mechanics.positions == pytest.approx([60000, 30000, 9500, 4000])
+    assert slave.mode is Mode.IDLE
+
+
 def test_counters_start_at_zero_wherever_the_arm_stands_and_homing_sets_them_right() -> None:
     slave = Slave(SlaveSettings(start=(60000, 30000, 20000, 4000)))
     assert positions_of(slave.read(Register.POSITIONS, 8)) == (0, 0, 0, 0)
