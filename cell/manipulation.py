@@ -67,6 +67,8 @@ class Manipulator:
         self._plan = plan
         self._profile = profile
         self._events = events
+        # Nobody knows what an earlier program did with the fingers.
+        self._may_have_closed = True
 
     def slot_place(self, number: int) -> TablePlace:
         """Return where a slot lies in the robot frame.
@@ -199,7 +201,8 @@ class Manipulator:
 
     def may_hold_block(self) -> bool:
         """Return whether, by the ledger, a block may be between the fingers."""
-        return self._ledger.open_transfer() is not None
+        transfer = self._ledger.open_transfer()
+        return transfer is not None and (transfer.phase != "planned" or self._may_have_closed)
 
     def grip_problem(self, state: GripperState) -> str:
         """Hold a gripper's state against the ledger; return what does not fit, or nothing.
@@ -232,8 +235,10 @@ class Manipulator:
                 lost the block while it was lifted.
         """
         kind, name = entry.kind, entry.block
+        self._may_have_closed = False
         self._gripper.move_to(self._profile.gripper.open_mm)
         self._approach(place, holds_block=False)
+        self._may_have_closed = True
         result = self._gripper.grip(self._profile.gripper.grip_current_a)
         width_mm = self._profile.blocks[kind].width_mm
         if not result.is_holding or abs(result.width_mm - width_mm) > WIDTH_TOLERANCE_MM:

@@ -21,6 +21,7 @@ class TaskRun:
         self._task = desk.script.start(spec.goal, spec.environment, seed=seed, host=self._host)
         self._views = {view.name: view for view in spec.views}
         self._status: Status = "running"
+        self._is_begun = False
 
     @property
     def status(self) -> Status:
@@ -35,6 +36,7 @@ class TaskRun:
             DslError: The script has no layout for this seed.
         """
         self._desk.cell.open()
+        self._is_begun = True
         self._task.set_up()
         self._desk.events.emit(
             TaskStarted(self.spec.goal, self.spec.environment, self.seed, self._host.blocks_out)
@@ -91,12 +93,13 @@ class TaskRun:
         return SentView(frame, view.mime), self._desk.views.encode(frame, view.mime)
 
     def end(self, reason: str) -> None:
-        """Bring the blocks home.
+        """Bring the blocks home, if the devices came up to lay any out.
 
         Raises:
             CellError: A block could not be brought home; the ledger knows where it is.
         """
         try:
-            self._desk.cell.clean()
+            if self._is_begun:
+                self._desk.cell.clean()
         finally:
             self._desk.events.emit(TaskEnded(reason))

@@ -23,29 +23,37 @@ POLICY: tuple[Rule, ...] = (
     *_repeated("arm", *_ONE_REPLY),
     Rule("arm", Fault.SLOW, "once", Deed.NOTHING, "-", "-"),
     Rule("arm", Fault.REPLUGGED, "under 0.5 s", Deed.RETRY, "-", "arm: asked again: ..."),
-    Rule("arm", Fault.SILENCE, "lasting", Deed.HOLD, "ERROR arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.SILENCE, "lasting", Deed.HOLD, "ERROR 'arm: ...", "held: arm: ..."),
     Rule(
         "arm", Fault.UNPLUGGED, "lasting", Deed.HOLD,
-        "ERROR The connection to a device failed", "held: arm: ...",
+        "ERROR 'The connection to a device failed'", "held: arm: ...",
     ),
-    Rule("arm", Fault.REFUSAL, "any", Deed.HOLD, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.ALARM, "in motion", Deed.HOLD, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.POWER_LOSS, "any", Deed.STOP, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.EMERGENCY_STOP, "in motion", Deed.STOP, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.STOP_BUTTON, "in motion", Deed.STOP, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.TEACH, "any", Deed.STOP, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.RIGHT_TAKEN, "any", Deed.STOP, "ERROR arm: ...", "held: arm: ..."),
-    Rule("arm", Fault.STOPPED, "any", Deed.HOLD, "ERROR The cell was stopped", "held: arm: ..."),
+    Rule("arm", Fault.REFUSAL, "any", Deed.HOLD, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.ALARM, "in motion", Deed.HOLD, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.POWER_LOSS, "any", Deed.STOP, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.EMERGENCY_STOP, "in motion", Deed.STOP, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.STOP_BUTTON, "in motion", Deed.STOP, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.TEACH, "any", Deed.STOP, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.RIGHT_TAKEN, "any", Deed.STOP, "ERROR 'arm: ...", "held: arm: ..."),
+    Rule("arm", Fault.STOPPED, "any", Deed.HOLD, "ERROR 'The cell was stopped'", "held: ..."),
+    Rule(
+        "arm", Fault.SILENCE, "while opening", Deed.HOLD,
+        "ERROR 'arm: ...", "...END_TASK_SETUP...arm: ...",
+    ),
     *_repeated("gripper", *_ONE_REPLY, Fault.CHECKSUM),
     Rule("gripper", Fault.SLOW, "once", Deed.NOTHING, "-", "-"),
     Rule("gripper", Fault.REPLUGGED, "under 0.5 s", Deed.RETRY, "-", "gripper: asked again: ..."),
     Rule(
         "gripper", Fault.SILENCE, "lasting", Deed.HOLD,
-        "ERROR gripper: ...", "held: gripper: ...",
+        "ERROR 'gripper: ...", "held: gripper: ...",
+    ),
+    Rule(
+        "gripper", Fault.SILENCE, "while opening", Deed.HOLD,
+        "ERROR 'gripper: ...", "...END_TASK_SETUP...gripper: ...",
     ),
     Rule(
         "gripper", Fault.UNPLUGGED, "lasting", Deed.HOLD,
-        "ERROR The connection to a device failed", "held: gripper: ...",
+        "ERROR 'The connection to a device failed'", "held: gripper: ...",
     ),
     Rule(
         "gripper", Fault.ERROR_LATCHED, "its cause is gone", Deed.RECOVER,
@@ -53,7 +61,7 @@ POLICY: tuple[Rule, ...] = (
     ),
     Rule(
         "gripper", Fault.ERROR_LATCHED, "its cause stays", Deed.HOLD,
-        "ERROR gripper: ...", "held: gripper: ...",
+        "ERROR 'gripper: ...", "held: gripper: ...",
     ),
     Rule(
         "gripper", Fault.POWER_LOSS, "back at once, fingers empty", Deed.RECOVER,
@@ -61,33 +69,43 @@ POLICY: tuple[Rule, ...] = (
     ),
     Rule(
         "gripper", Fault.POWER_LOSS, "back at once, holding a block", Deed.HOLD,
-        "ERROR gripper: ...", "held: gripper: ...",
+        "ERROR 'gripper: ...", "held: gripper: ...",
     ),
     Rule(
         "gripper", Fault.POWER_LOSS, "lasting", Deed.HOLD,
-        "ERROR gripper: ...", "held: gripper: ...",
+        "ERROR 'gripper: ...", "held: gripper: ...",
     ),
-    Rule("gripper", Fault.BLOCKED, "any", Deed.HOLD, "ERROR gripper: ...", "held: gripper: ..."),
+    Rule("gripper", Fault.BLOCKED, "any", Deed.HOLD, "ERROR 'gripper: ...", "held: gripper: ..."),
     Rule(
         "gripper", Fault.BLOCK_LOST, "on the way", Deed.HOLD,
-        "ERROR slot ...: lost ...", "held: gripper: slot ...: lost ...",
+        "ERROR 'slot ...: lost ...", "held: gripper: slot ...: lost ...",
     ),
     *_repeated("display", *_ONE_REPLY),
     Rule("display", Fault.SLOW, "once", Deed.NOTHING, "-", "-"),
     Rule("display", Fault.REPLUGGED, "under 0.5 s", Deed.RETRY, "-", "display: asked again: ..."),
     Rule(
         "display", Fault.SILENCE, "lasting", Deed.HOLD,
-        "ERROR display: ...", "held: display: ...",
+        "ERROR 'display: ...", "held: display: ...",
+    ),
+    Rule(
+        "display", Fault.SILENCE, "while opening", Deed.HOLD,
+        "ERROR 'display: ...", "...END_TASK_SETUP...display: ...",
     ),
     Rule(
         "display", Fault.UNPLUGGED, "lasting", Deed.HOLD,
-        "ERROR The connection to a device failed", "held: display: ...",
+        "ERROR 'The connection to a device failed'", "held: display: ...",
     ),
     Rule("display", Fault.ASLEEP, "any", Deed.RECOVER, "-", "display: recovered: ..."),
     Rule("display", Fault.WRONG_INPUT, "any", Deed.RECOVER, "-", "display: recovered: ..."),
-    Rule("display", Fault.POWER_LOSS, "any", Deed.HOLD, "ERROR display: ...", "held: display: ..."),
+    Rule(
+        "display", Fault.POWER_LOSS, "any", Deed.HOLD,
+        "ERROR 'display: ...", "held: display: ...",
+    ),
     *_repeated("lights", Fault.LOST_REPLY, Fault.GARBAGE),
-    Rule("lights", Fault.SILENCE, "lasting", Deed.HOLD, "ERROR arm: ...", "held: arm: ..."),
+    Rule(
+        "lights", Fault.SILENCE, "lasting", Deed.HOLD,
+        "ERROR 'arm: ...", "held: lights: arm: ...",
+    ),
     Rule("camera", Fault.TORN, "once", Deed.RECOVER, "-", "camera ...: recovered: ..."),
     Rule("camera", Fault.FROZEN, "any", Deed.RECOVER, "-", "camera ...: recovered: ..."),
     Rule(
@@ -95,15 +113,15 @@ POLICY: tuple[Rule, ...] = (
     ),
     Rule(
         "camera", Fault.SILENCE, "lasting", Deed.HOLD,
-        "ERROR camera ...", "held: camera ...",
+        "ERROR 'camera ...", "held: camera ...",
     ),
     Rule(
         "camera", Fault.UNPLUGGED, "lasting", Deed.HOLD,
-        "ERROR camera ...", "held: camera ...",
+        "ERROR 'camera ...", "held: camera ...",
     ),
     Rule(
         "ledger", Fault.DISK, "any", Deed.STOP,
-        "ERROR The ledger of blocks cannot be used", "held: ledger: ...",
+        "ERROR 'The ledger of blocks cannot be used'", "held: ledger: ...",
     ),
 )  # fmt: skip
 """Every row; of two with the same device and fault the last one is what reaches the cell."""

@@ -33,6 +33,8 @@ class DisplayKeeper:
         except CellError:
             self._display.close()
             self._display.open()
+            # A set that was just given its power back is on, and takes no commands yet.
+            self._display.switch_on()
             done = ("connected again", *self._put_right())
         if done:
             self._reporter.recovered("display", ", ".join(done))

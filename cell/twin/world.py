@@ -73,6 +73,7 @@ class World:
         self._opening_mm = profile.gripper.open_mm
         self._closing: _Closing | None = None
         self.held: Held | None = None
+        self._are_fingers_jammed = False
         self.outputs: dict[int, bool] = {}
         self._asked_reference: Callable[[], bool] = _unreferenced
         self._is_lit = False
@@ -221,7 +222,9 @@ class World:
         start_mm = self.opening_mm(now_s)
         target_mm = min(max(target_mm, 0.0), self._profile.gripper.stroke_mm)
         meeting = Meeting(end_mm=target_mm, takes=None, is_blocked=False)
-        if target_mm > start_mm:
+        if self._are_fingers_jammed:
+            meeting = Meeting(end_mm=start_mm, takes=None, is_blocked=target_mm != start_mm)
+        elif target_mm > start_mm:
             self._let_go()
         elif self.held is not None:
             meeting = Meeting(end_mm=start_mm, takes=None, is_blocked=target_mm < start_mm)
@@ -243,6 +246,19 @@ class World:
         self._settle(now_s)
         self._opening_mm = self.opening_mm(now_s)
         self._closing = None
+
+    def jam_fingers(self, *, are_jammed: bool) -> None:
+        """Have something block the fingers both ways, or take it away."""
+        self._are_fingers_jammed = are_jammed
+
+    def slip(self, now_s: float) -> bool:
+        """Let the held block slip from the fingers, which close; return whether one was held."""
+        self._settle(now_s)
+        if self.held is None:
+            return False
+        self._let_go()
+        self._opening_mm, self._closing = 0.0, None
+        return True
 
     # The television's panel
 

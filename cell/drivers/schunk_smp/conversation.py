@@ -42,6 +42,8 @@ from cell.stop import StopToken
 _LOGGER = logging.getLogger(__name__)
 _SLICE_S = 0.1
 _FRAME_GAP_S = 0.05
+_QUIET_S = 0.2
+_MAX_STALE_READS = 64
 LINK_PAUSE_S = 0.25
 """Pause before a request is sent again over a link that broke."""
 
@@ -96,6 +98,7 @@ class Conversation:
         self._token = token
         self._reader = FrameReader(FROM_MODULE, module=module)
         self._silence_s = 0.0
+        self._missed_answer = False
         self._heard: deque[Reply] = deque()
         self._impulses: deque[Impulse] = deque(maxlen=64)
 
@@ -135,6 +138,7 @@ class Conversation:
         self._drain()
         self._link.write(data)
         answer = self._await_answer(code, timeout_s)
+        self._missed_answer = answer is None
         if answer is None or isinstance(answer, Refused):
             raise self._trouble(code, answer, timeout_s)
         return answer
@@ -171,10 +175,19 @@ class Conversation:
         self._impulses.clear()
 
     def _drain(self) -> None:
-        """Take what lies on the line: keep impulses, drop answers that came too late."""
-        data = self._link.read(0.0)
-        if data:
-            self._hear(data)
+        """Take what lies on the line: keep impulses, drop answers that came too late.
+
+        After a missed answer the line must first fall silent: a late one would be taken for
+        that of the next request.
+        """
+        wait_s = _QUIET_S if self._missed_answer else 0.0
+        for _ in range(_MAX_STALE_READS):
+            data = self._link.read(wait_s)
+            if data:
+                self._hear(data)
+            if not data or not wait_s:
+                break
+        self._missed_answer = False
         while self._heard:
             self._keep_impulse(self._heard.popleft())
 

@@ -300,6 +300,9 @@ class SchunkGripper:
         """Return whether a start was heard: the fingers move, or are where it leads."""
         if state.status & Status.MOVING or state.error:
             return True
+        if not state.status & Status.REFERENCED:
+            # It was without power in between, and has forgotten whatever it was told.
+            return False
         match command:
             case MovePosition(position_mm=target_mm):
                 return abs(_position(state) - target_mm) <= self._settings.tolerance_mm
@@ -307,7 +310,7 @@ class SchunkGripper:
                 # The brake is open only while the motor pushes against something.
                 return not state.status & Status.BRAKE
             case Reference():
-                return bool(state.status & Status.REFERENCED)
+                return True
 
     def _await_end(
         self,

@@ -95,6 +95,7 @@ class SchunkModule:
         self._warned: list[int] = []
         self._is_silent = False
         self._corrupted = 0
+        self._unpowered_until_s = 0.0
 
     @property
     def is_referenced(self) -> bool:
@@ -152,6 +153,12 @@ class SchunkModule:
         self._mechanics.warning = 0
         self._due.pop("warning", None)
 
+    def lose_power(self, now_s: float, *, for_s: float) -> None:
+        """Take the module's own supply away for a time; then it starts, and knows no zero."""
+        self._catch_up(now_s)
+        self._unpowered_until_s = now_s + for_s
+        self._catch_up(now_s)
+
     def corrupt_next_reply(self, count: int = 1) -> None:
         """Turn over a bit in each of the next `count` messages."""
         self._corrupted += count
@@ -186,7 +193,7 @@ class SchunkModule:
             self._plan_motion()
 
     def _watch_power(self, now_s: float) -> None:
-        is_powered = self._body.is_powered()
+        is_powered = self._body.is_powered() and now_s >= self._unpowered_until_s
         if not is_powered and self._power != "off":
             if self._mechanics.motion is not None:
                 self._body.halt(now_s)

@@ -133,6 +133,12 @@ class SharpTelevision:
         else:
             self._switch_on(now_s)
 
+    def press_input(self, now_s: float, number: int) -> None:
+        """Choose an input with the remote control; 0 is the tuner."""
+        self._catch_up(now_s)
+        if self.is_on:
+            self._show(number, now_s)
+
     # Time
 
     def _catch_up(self, now_s: float) -> None:
