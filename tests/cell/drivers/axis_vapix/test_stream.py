@@ -83,6 +83,21 @@ def test_a_connection_that_breaks_in_the_middle_loses_no_count() -> None:
         assert stream.reconnects == 1
 
 
+def test_failures_that_pictures_lie_between_do_not_add_up() -> None:
+    with (
+        EmulatedAxisCamera(EmulatedAxisSettings(rate_hz=FAST)) as emulated,
+        driver(emulated).stream(160, 120) as stream,
+    ):
+        for rounds in range(1, 4):
+            emulated.inject(WebCameraFault.CUT_OFF, 3)
+            for _ in range(50):
+                next(stream)
+                if stream.reconnects == 3 * rounds:
+                    break
+            assert stream.reconnects == 3 * rounds
+        assert next(stream).jpeg
+
+
 def test_a_picture_that_stops_in_its_middle_is_given_up_and_the_stream_goes_on() -> None:
     quick = AxisSettings(part_timeout_s=0.3, least_back_off_s=0.001)
     with EmulatedAxisCamera(EmulatedAxisSettings(rate_hz=FAST)) as emulated:
