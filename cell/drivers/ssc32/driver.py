@@ -24,14 +24,14 @@ from collections.abc import Callable, Sequence
 
 from cell.clock import Clock
 from cell.devices.arm import ArmState, Interpolation
-from cell.drivers.ssc32.commands import Move, ServoTarget
 from cell.drivers.ssc32.dialogue import Dialogue, log_repeat
+from cell.drivers.ssc32.joints import ServoJoints
 from cell.drivers.ssc32.line import straight_line
-from cell.drivers.ssc32.panel import ServoPanel, agree
-from cell.drivers.ssc32.servo_map import speed_cap_us_s
+from cell.drivers.ssc32.panel import ServoPanel
+from cell.drivers.ssc32.sending import MoveSender
 from cell.drivers.ssc32.settings import Ssc32Settings
-from cell.drivers.ssc32.tables import CHANNELS, GREATEST_TIME_MS
-from cell.errors import CellError, DeviceError, DeviceTimeout, UnreachablePose
+from cell.drivers.ssc32.tables import CHANNELS
+from cell.errors import DeviceError, UnreachablePose
 from cell.geometry import JointPositions, Pose
 from cell.kinematics.lynx import LynxArm
 from cell.links.base import Link
@@ -42,10 +42,6 @@ _log = logging.getLogger(__name__)
 FIRST_ORDER = (1, 2, 3, 4, 0)
 """Joints of the first pose, one after the other: the arm is lifted before it is turned."""
 
-_MOVING_US = 50
-"""How far pulses may change between two questions while the arm moves."""
-_HOLD_LOOKS = 25
-_HOLD_PAUSE_S = 0.02
 _LIMIT_SLACK_DEG = 1e-6
 _TURN_STEP_DEG = 2.0
 _UNPROVEN = "this driver was never tried on hardware; keep a hand at the servo supply's switch"
@@ -54,7 +50,6 @@ _BLIND = (
     "are commanded ones, and the arm is held after closing, too; only the servo supply's "
     "switch lets it go"
 )
-_OPEN_HINT = "support the arm, then open it again; its first move jumps"
 
 
 def _log_warning(text: str) -> None:
@@ -93,18 +88,6 @@ class Ssc32Arm:
         self._device = link.name
         self._on_warning = on_warning
         self._token = token
-        self._channels = tuple(servo.channel for servo in settings.servos)
-        self._caps_us_s = tuple(
-            speed_cap_us_s(servo.map, low, high, speed, settings.segment_s)
-            for servo, low, high, speed in zip(
-                settings.servos,
-                kinematics.joint_min,
-                kinematics.joint_max,
-                kinematics.joint_speed,
-                strict=True,
-            )
-        )
-        self._sent_us: tuple[int, ...] | None = None
         self._outputs: dict[int, bool] = {}
         self._identity = ""
         self._is_first_pose_confirmed = False
@@ -112,6 +95,17 @@ class Ssc32Arm:
         self._joint_share = settings.joint_speed_percent / 100.0
         self.panel = ServoPanel(
             Dialogue(link, clock, link.name, settings.line, on_repeat=on_repeat)
+        )
+        self._joints = ServoJoints(self.panel, clock, link.name, settings, kinematics)
+        self._sender = MoveSender(
+            self.panel,
+            self._joints,
+            clock,
+            link.name,
+            settings,
+            kinematics.joint_speed,
+            check=self._check_token,
+            on_warning=on_warning,
         )
 
     # In and out of service
@@ -134,7 +128,8 @@ class Ssc32Arm:
             DeviceTimeout: The controller does not answer.
             Stopped: A stop was asked for while the first pose was announced or taken.
         """
-        if self._identity and all(self._told_on_the_way_us()):
+        is_in_service = bool(self._identity) and not self._joints.were_lost
+        if is_in_service and all(self._joints.told_on_the_way_us()):
             return self._identity
         self._identity = ""
         if not self._settings.was_tried_on_hardware:
@@ -146,13 +141,14 @@ class Ssc32Arm:
         offsets = [(s.channel, s.offset_us) for s in self._settings.servos if s.offset_us]
         if offsets:
             self.panel.set_offsets(offsets)
-        pulses_us = self._told_us()
+        pulses_us = self._joints.told_us()
         if all(pulses_us):
-            self._adopt(pulses_us)
+            self._joints.adopt(pulses_us)
         else:
             self._take_first_pose(pulses_us)
         self.set_speed(self._settings.linear_speed_mm_s, self._settings.joint_speed_percent)
         self._identity = identity
+        self._joints.were_lost = False
         return identity
 
     def close(self) -> None:
@@ -227,9 +223,9 @@ class Ssc32Arm:
                 hint="nothing was sent; the arm stands where it stood",
             ) from error
         if interpolation == "linear":
-            self._stream(start, stances)
+            self._sender.stream(start, stances)
         else:
-            self._go(start, stances[0])
+            self._sender.go(start, stances[0], self._joint_share)
 
     def move_joints(self, joints: JointPositions, *, expected_s: float = 0.0) -> None:
         """Move every joint to its angle and return when the servos are told to be there.
@@ -240,9 +236,10 @@ class Ssc32Arm:
             Stopped: A stop was asked for; the arm stands still.
         """
         arm = self._kinematics
-        if len(joints.values) != len(self._channels):
+        if len(joints.values) != len(self._joints.channels):
             raise DeviceError(
-                self._device, f"{joints} is no position: the arm has {len(self._channels)} joints"
+                self._device,
+                f"{joints} is no position: the arm has {len(self._joints.channels)} joints",
             )
         for number, (value, low, high) in enumerate(
             zip(joints.values, arm.joint_min, arm.joint_max, strict=True), 1
@@ -253,7 +250,7 @@ class Ssc32Arm:
                     f"J{number} at {value:.2f} deg is out of range",
                     hint=f"allowed are {low:.2f} to {high:.2f} deg",
                 )
-        self._go(self._ready(), joints)
+        self._sender.go(self._ready(), joints, self._joint_share)
 
     def stop(self) -> None:
         """Stop any motion now; works in every state.
@@ -264,34 +261,7 @@ class Ssc32Arm:
         Raises:
             DeviceTimeout: The controller does not answer.
         """
-        if self._settings.knows_stop:
-            self.panel.stop_servos(self._channels)
-        is_moving, sent = self.panel.is_moving(), self._sent_us
-        pulses_us = self.panel.sure_pulses_us(self._channels, sent, within_us=_MOVING_US)
-        # One strange answer must not keep a moving arm from being stopped.
-        if not is_moving and (sent is None or agree(sent, pulses_us)):
-            return
-        held = tuple(
-            ServoTarget(channel, pulse, cap)
-            for channel, pulse, cap in zip(self._channels, pulses_us, self._caps_us_s, strict=True)
-            if pulse
-        )
-        if held:
-            self.panel.move(Move(held))
-            self._await_held()
-        self._sent_us = pulses_us if all(pulses_us) else None
-
-    def _await_held(self) -> None:
-        """Wait until the arm stands that was told to stay where it is."""
-        for _ in range(_HOLD_LOOKS):
-            if not self.panel.is_moving():
-                return
-            self._clock.sleep(_HOLD_PAUSE_S)
-        raise DeviceTimeout(
-            self._device,
-            f"still moving {_HOLD_LOOKS * _HOLD_PAUSE_S:g} s after it was told to stop",
-            hint="switch the servo supply off; check that nobody else sends to the controller",
-        )
+        self._joints.stop()
 
     # What it tells
 
@@ -302,7 +272,7 @@ class Ssc32Arm:
             DeviceError: The controller was restarted and does not know.
             DeviceTimeout: It does not answer.
         """
-        return self._standing()
+        return self._joints.standing()
 
     def read_pose(self) -> Pose:
         """Return where the tool point is for the commanded joint angles.
@@ -311,7 +281,7 @@ class Ssc32Arm:
             DeviceError: The controller was restarted and does not know.
             DeviceTimeout: It does not answer.
         """
-        return self._kinematics.forward(self._standing())
+        return self._kinematics.forward(self._joints.standing())
 
     def read_state(self) -> ArmState:
         """Return what can be told: whether there are pulses, and whether they change.
@@ -319,15 +289,14 @@ class Ssc32Arm:
         A servo that gets pulses counts as on, although nothing tells whether its supply is.
         An emergency stop or an alarm is never reported, because there is none.
         """
-        pulses_us = self._told_on_the_way_us()
-        is_on = all(pulses_us)
+        pulses_us = self._joints.told_on_the_way_us()
         return ArmState(
-            is_servo_on=is_on,
+            is_servo_on=all(pulses_us),
             is_moving=self.panel.is_moving(),
             is_automatic=True,
             is_emergency_stopped=False,
             alarm=0,
-            alarm_text="" if is_on else f"{self._unpulsed(pulses_us)}; {_OPEN_HINT}",
+            alarm_text=self._joints.advice(pulses_us),
             override_percent=100,
         )
 
@@ -378,7 +347,7 @@ class Ssc32Arm:
     def _take_first_pose(self, pulses_us: Sequence[int]) -> None:
         settings = self._settings
         rest = JointPositions(settings.rest_deg)
-        missing = self._unpulsed(pulses_us)
+        missing = self._joints.unpulsed(pulses_us)
         if settings.first_pose == "confirmed" and not self._is_first_pose_confirmed:
             raise DeviceError(
                 self._device,
@@ -393,191 +362,39 @@ class Ssc32Arm:
         if not self._is_first_pose_confirmed:
             self._sleep(settings.announce_s)
         self._is_first_pose_confirmed = False
-        targets = self._pulses(rest)
+        self._joints.forget()
+        targets = self._joints.pulses(rest)
         for index in FIRST_ORDER:
             if pulses_us[index] == 0:
                 self._check_token()
-                self.panel.move(Move((ServoTarget(self._channels[index], targets[index]),)))
+                self._joints.send_first(index, targets[index])
                 self._sleep(settings.first_joint_s)
-        now_us = self.panel.sure_pulses_us(self._channels)
+        now_us = self._joints.told_us()
         if not all(now_us):
             raise DeviceError(
-                self._device, f"the first pose was not taken: {self._unpulsed(now_us)}",
+                self._device, f"the first pose was not taken: {self._joints.unpulsed(now_us)}",
                 hint="check the controller's supply",
             )  # fmt: skip
-        self._sent_us = None
-        self._adopt(
+        self._joints.adopt(
             tuple(
                 target if was == 0 else now
                 for was, now, target in zip(pulses_us, now_us, targets, strict=True)
             )
         )
 
-    def _adopt(self, pulses_us: tuple[int, ...]) -> None:
-        """Take over what the controller commands, more exactly where it was sent from here."""
-        sent = self._sent_us
-        if sent is None or not agree(sent, pulses_us):
-            self._sent_us = pulses_us
-
-    def _told_us(self) -> tuple[int, ...]:
-        """Return the pulses of an arm at rest, believed only if told twice or sent."""
-        return self.panel.sure_pulses_us(self._channels, self._sent_us)
-
-    def _told_on_the_way_us(self) -> tuple[int, ...]:
-        """Return pulses that may be changing; that there are none is believed if told twice."""
-        pulses_us = self.panel.pulses_us(self._channels)
-        if all(pulses_us):
-            return pulses_us
-        return self.panel.sure_pulses_us(self._channels, within_us=_MOVING_US)
-
-    def _standing(self) -> JointPositions:
-        """Return the commanded joint angles, asked for now."""
-        pulses_us = self._told_us()
-        self._require_pulses(pulses_us)
-        self._adopt(pulses_us)
-        return self._joints(self._sent_us or pulses_us)
-
     def _ready(self) -> JointPositions:
         """Return the commanded joint angles of an arm that may move."""
-        joints = self._standing()
-        if not self._identity:
+        joints = self._joints.standing()
+        if not self._identity or self._joints.were_lost:
             raise DeviceError(self._device, "the arm is not open", hint="open the arm first")
         return joints
-
-    def _go(self, start: JointPositions, target: JointPositions) -> None:
-        """Move all joints together, as fast as the slowest may."""
-        slowest_s = max(
-            abs(there - here) / (speed * self._joint_share)
-            for here, there, speed in zip(
-                start.values, target.values, self._kinematics.joint_speed, strict=True
-            )
-        )
-        self._run([(self._pulses(target), max(slowest_s, self._settings.segment_s))], 0)
-
-    def _stream(self, start: JointPositions, stances: list[JointPositions]) -> None:
-        """Move through many stances, each a short joint move."""
-        segments, here = [], start
-        for there in stances:
-            slowest_s = max(
-                abs(b - a) / speed
-                for a, b, speed in zip(
-                    here.values, there.values, self._kinematics.joint_speed, strict=True
-                )
-            )
-            segments.append((self._pulses(there), max(slowest_s, self._settings.segment_s)))
-            here = there
-        every = max(1, round(self._settings.watch_s / self._settings.segment_s))
-        self._run(segments, every)
-
-    def _run(self, segments: list[tuple[tuple[int, ...], float]], every: int) -> None:
-        """Send moves in step with the clock, watch them, and see them end.
-
-        Args:
-            segments: Pulse widths and time of each move.
-            every: After how many moves the pulses are asked for; 0 to ask by time.
-        """
-        for _, duration_s in segments:
-            self._require_time(duration_s)
-        due_s = self._clock.now_s()
-        try:
-            for number, (pulses_us, duration_s) in enumerate(segments, 1):
-                self._check_token()
-                self._send(pulses_us, duration_s)
-                now_s = self._clock.now_s()
-                # Whoever is late starts a new beat: the servos waited where they were.
-                due_s = max(due_s, now_s - self._settings.segment_s) + duration_s
-                if every and number % every == 0:
-                    self._require_pulses(self._told_on_the_way_us())
-                if not every:
-                    self._watch(duration_s)
-                self._clock.sleep(due_s - self._clock.now_s())
-            self._await_end(segments[-1][0])
-        except CellError:
-            self._stop_after_failure()
-            raise
-
-    def _send(self, pulses_us: tuple[int, ...], duration_s: float) -> None:
-        targets = tuple(
-            ServoTarget(channel, pulse, cap)
-            for channel, pulse, cap in zip(self._channels, pulses_us, self._caps_us_s, strict=True)
-        )
-        self._sent_us = pulses_us
-        self.panel.move(Move(targets, max(1, math.ceil(duration_s * 1000.0 - 1e-6))))
-
-    def _watch(self, duration_s: float) -> None:
-        """Look at the pulses now and then for as long as a move lasts."""
-        for _ in range(int(duration_s / self._settings.watch_s)):
-            self._clock.sleep(self._settings.watch_s)
-            self._check_token()
-            self._require_pulses(self._told_on_the_way_us())
-
-    def _await_end(self, pulses_us: tuple[int, ...]) -> None:
-        deadline_s = self._clock.now_s() + self._settings.margin_s
-        while self.panel.is_moving():
-            self._check_token()
-            if self._clock.now_s() >= deadline_s:
-                raise DeviceTimeout(
-                    self._device,
-                    f"the move did not end within {self._settings.margin_s:g} s after its time",
-                    hint="check that nobody else sends to the controller",
-                )
-            self._clock.sleep(self._settings.segment_s)
-        self._clock.sleep(self._settings.settle_s)
-        now_us = self.panel.sure_pulses_us(self._channels, pulses_us)
-        self._require_pulses(now_us)
-        if not agree(pulses_us, now_us):
-            raise DeviceError(
-                self._device,
-                f"the move ended at {self._joints(now_us)} deg instead of "
-                f"{self._joints(pulses_us)} deg",
-                hint="an order was lost on the line, or somebody else sends to the controller",
-            )
-
-    def _stop_after_failure(self) -> None:
-        """Stop without hiding the failure that led here."""
-        try:
-            self.stop()
-        except CellError as error:
-            self._on_warning(f"{error}; the arm could not be told to stop")
-
-    def _pulses(self, joints: JointPositions) -> tuple[int, ...]:
-        return tuple(
-            min(max(round(servo.map.pulse_us(angle)), servo.min_us), servo.max_us)
-            for servo, angle in zip(self._settings.servos, joints.values, strict=True)
-        )
-
-    def _joints(self, pulses_us: Sequence[int]) -> JointPositions:
-        return JointPositions(
-            tuple(
-                servo.map.position(pulse)
-                for servo, pulse in zip(self._settings.servos, pulses_us, strict=True)
-            )
-        )
-
-    def _unpulsed(self, pulses_us: Sequence[int]) -> str:
-        names = [f"J{number}" for number, pulse in enumerate(pulses_us, 1) if not pulse]
-        return f"since its power-up the controller has sent no pulses to {', '.join(names)}"
-
-    def _require_pulses(self, pulses_us: Sequence[int]) -> None:
-        if not all(pulses_us):
-            self._sent_us = None
-            self._identity = ""
-            raise DeviceError(self._device, self._unpulsed(pulses_us), hint=_OPEN_HINT)
-
-    def _require_time(self, duration_s: float) -> None:
-        if duration_s * 1000.0 > GREATEST_TIME_MS:
-            raise DeviceError(
-                self._device,
-                f"the move would take {duration_s:.0f} s, longer than the controller can count",
-                hint=f"allowed are {GREATEST_TIME_MS / 1000.0:.1f} s; set a higher speed",
-            )
 
     def _require_output(self, bit: int) -> None:
         if not 0 <= bit < CHANNELS:
             raise DeviceError(
                 self._device, f"there is no output {bit}", hint=f"allowed are 0 to {CHANNELS - 1}"
             )
-        if bit in self._channels or bit in self._settings.other_channels:
+        if bit in self._joints.channels or bit in self._settings.other_channels:
             raise DeviceError(
                 self._device,
                 f"channel {bit} drives a servo and cannot be an output",
