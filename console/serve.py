@@ -5,13 +5,15 @@ from __future__ import annotations
 import logging
 import signal
 import sys
+from contextlib import ExitStack
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter, validators
 
 from console.exits import ConsoleError, Exit
-from console.options import ProfileName
+from console.options import ProfileName, WiresOption
 from console.output import put, say
 from console.places import cell_folder, recordings_folder
 from console.signals import signals_handled
@@ -19,6 +21,11 @@ from console.signals import signals_handled
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from cell.assembly.wires import Wires
+    from cell.profile import Profile
+    from cell.robot_cell import RobotCell
+    from cell.twin_cell import TwinCell
+    from sessions.hosting import Hosted
     from sessions.server import Listener, MasServer
 
 DialectName = Literal["1.2", "1.3", "1.4", "1.5"]
@@ -45,8 +52,9 @@ def serve(
         Literal["jpeg", "lossless", "none"], Parameter(help="How recordings keep pictures.")
     ] = "jpeg",
     no_record: Annotated[bool, Parameter(negative="", help="Record nothing.")] = False,
+    wires: WiresOption = "memory",
 ) -> int:
-    """Serve a script over MAS on the twin.
+    """Serve a script over MAS, on the twin or on hardware.
 
     Writes one line `listening on HOST:PORT dialect D` for each listener as soon as it
     accepts connections. SIGTERM ends it cleanly: the running reply is sent, connections
@@ -63,12 +71,12 @@ def serve(
         real_time: Whether time passes as it does for people.
         views: How recordings keep pictures.
         no_record: Whether nothing is recorded.
+        wires: How devices are reached; `hardware` takes ports and cameras of the profile, in
+            real time, and shows pictures on the television's page.
     """
     further = [parse_listener(one) for one in listen or ()]
-    from cell.clock import SimulatedClock, SystemClock
     from cell.profile import parse_profile, profile_text
-    from console.scripts import load_script
-    from sessions.hosting import host_twin, settle_memory
+    from sessions.hosting import settle_memory
     from sessions.seeds import random_seed
     from sessions.server import Listener, MasServer
 
@@ -82,22 +90,73 @@ def serve(
     listeners = [first, *(Listener(*one) for one in further)]
     _log_to_stderr()
     drawn = random_seed() if seed is None else seed
-    hosted = host_twin(
-        load_script(script),
-        used,
-        text,
-        seed=drawn,
-        clock=SystemClock() if real_time else SimulatedClock(),
-        state_folder=cell_folder(used.name),
-        recordings=None if no_record else recordings_folder(),
-        views=views,
-    )
-    say(f"seed {drawn}", "dim")
-    settle_memory()
-    try:
+    with ExitStack() as stack:
+        hosted = _host(
+            script,
+            used,
+            text,
+            stack,
+            seed=drawn,
+            wires=wires,
+            in_real_time=real_time,
+            views=views,
+            recordings=None if no_record else recordings_folder(),
+        )
+        say(f"seed {drawn}", "dim")
+        settle_memory()
         return run_until_stopped(MasServer(hosted.desk, listeners, ready=_announce))
-    finally:
-        hosted.close()
+
+
+def _host(
+    script: str,
+    profile: Profile,
+    text: str,
+    stack: ExitStack,
+    *,
+    seed: int,
+    wires: Wires,
+    in_real_time: bool,
+    views: Literal["jpeg", "lossless", "none"],
+    recordings: Path | None,
+) -> Hosted[TwinCell] | Hosted[RobotCell]:
+    """Put the cell together; it is given back when the stack is closed."""
+    from cell.clock import SimulatedClock, SystemClock
+    from console.scripts import load_script
+    from sessions.hosting import host_hardware, host_twin
+
+    hosted: Hosted[TwinCell] | Hosted[RobotCell]
+    if wires == "hardware":
+        from cell.drivers.kiosk import KioskScreen, KioskSettings
+
+        folder = cell_folder(profile.name)
+        settings = KioskSettings.from_profile(profile.display, state_folder=folder)
+        screen = stack.enter_context(KioskScreen(settings))
+        say(f"the television's browser must have {screen.url} open", "dim")
+        hosted = host_hardware(
+            load_script(script),
+            profile,
+            text,
+            seed=seed,
+            clock=SystemClock(),
+            state_folder=folder,
+            screen=screen,
+            recordings=recordings,
+            views=views,
+        )
+    else:
+        hosted = host_twin(
+            load_script(script),
+            profile,
+            text,
+            seed=seed,
+            clock=SystemClock() if in_real_time else SimulatedClock(),
+            state_folder=cell_folder(profile.name),
+            recordings=recordings,
+            views=views,
+            wires=wires,
+        )
+    stack.callback(hosted.close)
+    return hosted
 
 
 def run_until_stopped(server: MasServer) -> int:

@@ -102,7 +102,7 @@ def host_hardware(
     clock: Clock,
     state_folder: Path,
     screen: Screen,
-    cameras: Mapping[str, Camera],
+    cameras: Mapping[str, Camera] | None = None,
     recordings: Path | None = None,
     views: PictureStorage = "jpeg",
 ) -> Hosted[RobotCell]:
@@ -116,7 +116,7 @@ def host_hardware(
         clock: Real time.
         state_folder: Where ledger and lock are kept.
         screen: What puts pictures on the display.
-        cameras: The cameras by name.
+        cameras: The cameras by name; those of the profile unless given.
         recordings: Where sessions are recorded; None records nothing.
         views: How recorded pictures are kept.
 

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Mapping
 from pathlib import Path
 
+from cell.assembly.cameras import hardware_cameras
 from cell.assembly.drivers import make_drivers
 from cell.assembly.wires import WireLoom
 from cell.clock import Clock
@@ -33,7 +34,7 @@ def assemble_hardware(
     clock: Clock,
     state_folder: Path,
     screen: Screen,
-    cameras: Mapping[str, Camera],
+    cameras: Mapping[str, Camera] | None = None,
     tap: Tap | None = None,
     events: EventBus | None = None,
 ) -> RobotCell:
@@ -49,7 +50,7 @@ def assemble_hardware(
         clock: Real time.
         state_folder: Where ledger and lock are kept.
         screen: What puts pictures on the display.
-        cameras: The cameras by name.
+        cameras: The cameras by name; those of the profile unless given.
         tap: Shown every byte on every wire.
         events: Where events go; a bus of its own unless given.
 
@@ -80,7 +81,7 @@ def assemble_hardware(
         gripper=drivers.gripper,
         display=drivers.display,
         screen=screen,
-        cameras=cameras,
+        cameras=hardware_cameras(profile, clock) if cameras is None else cameras,
         ledger=Ledger(state_folder / "ledger.sqlite"),
         plan=plan,
         events=events,

@@ -103,19 +103,9 @@ class TcpEnd:
         return tuple(one.fileno() for one in (self._listening, self._connected) if one is not None)
 
     def hear(self) -> bytes:
-        """Return what has come; take a program that connects, drop one that has left."""
+        """Return what has come; drop a program that has left, take one that connects."""
+        data = self._receive()
         self._accept()
-        if self._connected is None:
-            return b""
-        try:
-            data = self._connected.recv(_READ_BYTES)
-        except BlockingIOError:
-            return b""
-        except OSError:
-            data = b""
-        if not data:
-            self._connected.close()
-            self._connected = None
         return data
 
     def say(self, data: bytes) -> None:
@@ -148,6 +138,20 @@ class TcpEnd:
             if one is not None:
                 one.close()
         self._connected = self._listening = None
+
+    def _receive(self) -> bytes:
+        if self._connected is None:
+            return b""
+        try:
+            data = self._connected.recv(_READ_BYTES)
+        except BlockingIOError:
+            return b""
+        except OSError:
+            data = b""
+        if not data:
+            self._connected.close()
+            self._connected = None
+        return data
 
     def _accept(self) -> None:
         if self._listening is None:
