@@ -12,7 +12,6 @@ from typing import Final
 from cell.clock import Clock
 from cell.drivers.melfa_r3.driver import MelfaArm
 from cell.drivers.melfa_r3.settings import ArmSettings
-from cell.drivers.schunk_smp.driver import SchunkGripper
 from cell.drivers.schunk_smp.scan import FoundModule, find_modules
 from cell.errors import CellError
 from cell.links.base import Link
@@ -104,10 +103,7 @@ class ByHand:
         self._give_power(leave_on=leave_on)
         self._put_back.append(self.cell.gripper.close)
         self._has_gripper = True
-        gripper = self.cell.gripper
-        if isinstance(gripper, SchunkGripper):
-            return gripper.open(may_move=may_move)
-        return gripper.open()
+        return self.cell.gripper.open(may_move=may_move)
 
     def modules(self, ids: Iterable[int], line: Callable[[], Link]) -> list[FoundModule]:
         """Return the modules that answer on the gripper's line, without a driver of ours.

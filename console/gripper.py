@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter, validators
 
 from console.exits import Exit
+from console.figures import Figure
 from console.hand import DEFAULTS, HandOptions, as_lines, by_hand, gripper_line, tell
 from console.output import say
 
@@ -59,7 +60,7 @@ def close_gripper(*, options: HandOptions = DEFAULTS) -> int:
 
 
 @app.command
-def move(opening_mm: float, /, *, options: HandOptions = DEFAULTS) -> int:
+def move(opening_mm: Figure, /, *, options: HandOptions = DEFAULTS) -> int:
     """Move the fingers to an opening.
 
     Args:
@@ -108,7 +109,7 @@ def grip(
 
 @app.command
 def wait(
-    opening_mm: float | None = None,
+    opening_mm: Figure | None = None,
     /,
     *,
     timeout: Annotated[

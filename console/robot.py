@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, Parameter
 
 from console.exits import ConsoleError
+from console.figures import Figure, Whole
 from console.hand import DEFAULTS, HandOptions, as_lines, by_hand, tell
 from console.hand_speed import keep_speed, kept_speed
 from console.output import put, put_json, say
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 app = App(name="robot")
 
 _AXIS = re.compile(r"[xyz]|j[1-9]", re.IGNORECASE)
-Rotation = Annotated[float, Parameter(help="Turn of the gripper about the vertical, deg.")]
+Rotation = Annotated[Figure, Parameter(help="Turn of the gripper about the vertical, deg.")]
 
 
 @app.command(name="open")
@@ -82,7 +83,7 @@ def pose(*, options: HandOptions = DEFAULTS) -> int:
 
 @app.command
 def joints(
-    *values: Annotated[float, Parameter(negative=(), help="Where each joint shall go, J1 first.")],
+    *values: Annotated[Figure, Parameter(help="Where each joint shall go, J1 first.")],
     options: HandOptions = DEFAULTS,
 ) -> int:
     """Tell where the joints are; with a value for each, move them there.
@@ -107,9 +108,9 @@ def joints(
 
 @app.command
 def move(
-    x_mm: float,
-    y_mm: float,
-    z_mm: float = 200.0,
+    x_mm: Figure,
+    y_mm: Figure,
+    z_mm: Figure = 200.0,
     /,
     *,
     rotation: Rotation = 180.0,
@@ -136,11 +137,11 @@ def move(
 
 @app.command
 def lattice(
-    x: int,
-    y: int,
+    x: Whole,
+    y: Whole,
     /,
     *,
-    height: Annotated[float, Parameter(help="Height of the tool point, mm.")] = 200.0,
+    height: Annotated[Figure, Parameter(help="Height of the tool point, mm.")] = 200.0,
     rotation: Rotation = 180.0,
     options: HandOptions = DEFAULTS,
 ) -> int:
@@ -163,7 +164,7 @@ def lattice(
 
 @app.command
 def jog(
-    axis: str, step: Annotated[float, Parameter(allow_leading_hyphen=True)], /, *,
+    axis: str, step: Figure, /, *,
     options: HandOptions = DEFAULTS,
 ) -> int:  # fmt: skip
     """Move a little along x, y or z (mm, a straight line), or one joint (j1 to j6, deg).
@@ -188,8 +189,8 @@ def jog(
 
 @app.command
 def speed(
-    speed_mm_s: float | None = None,
-    joint_percent: float | None = None,
+    speed_mm_s: Figure | None = None,
+    joint_percent: Figure | None = None,
     /,
     *,
     options: HandOptions = DEFAULTS,

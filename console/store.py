@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from console.exits import ConsoleError, Exit
+from console.figures import Figure, Whole
 from console.hand import DEFAULTS, HandOptions, by_hand, tell
 from console.hand_speed import kept_speed
 from console.output import put_json, put_table, say
@@ -68,7 +69,7 @@ def where(
 
 @app.command
 def grip(
-    x_mm: float, y_mm: float, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
+    x_mm: Figure, y_mm: Figure, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
 ) -> int:  # fmt: skip
     """Grip the block at a place and lift it.
 
@@ -89,7 +90,7 @@ def grip(
 
 @app.command
 def release(
-    x_mm: float, y_mm: float, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
+    x_mm: Figure, y_mm: Figure, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
 ) -> int:  # fmt: skip
     """Put the gripped block down at a place.
 
@@ -110,7 +111,7 @@ def release(
 
 @app.command
 def deploy(
-    slot: int, x_mm: float, y_mm: float, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
+    slot: Whole, x_mm: Figure, y_mm: Figure, /, *, yaw: Yaw = 0.0, options: HandOptions = DEFAULTS
 ) -> int:  # fmt: skip
     """Bring a block from its slot to a place.
 
@@ -185,7 +186,7 @@ def _progress(what: str, done: int, total: int) -> None:
     say(f"{what}: {done} of {total}")
 
 
-def _place(x_mm: float, y_mm: float, yaw_deg: float) -> TablePlace:
+def _place(x_mm: Figure, y_mm: Figure, yaw_deg: float) -> TablePlace:
     from cell.store import TablePlace
 
     return TablePlace(x_mm=x_mm, y_mm=y_mm, yaw_deg=yaw_deg)

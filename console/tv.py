@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from cyclopts import App
 
 from console.exits import ConsoleError
+from console.figures import Whole
 from console.hand import DEFAULTS, HandOptions, as_lines, by_hand, tell
 from console.output import say
 
@@ -52,7 +53,7 @@ def off(*, options: HandOptions = DEFAULTS) -> int:
 
 
 @app.command(name="input")
-def select_input(number: int, /, *, options: HandOptions = DEFAULTS) -> int:
+def select_input(number: Whole, /, *, options: HandOptions = DEFAULTS) -> int:
     """Select an input; the television is switched on if it is not.
 
     Args:
@@ -69,7 +70,7 @@ def select_input(number: int, /, *, options: HandOptions = DEFAULTS) -> int:
 
 
 @app.command
-def volume(level: int, /, *, options: HandOptions = DEFAULTS) -> int:
+def volume(level: Whole, /, *, options: HandOptions = DEFAULTS) -> int:
     """Set the volume, 0 to 60; the television is switched on if it is not.
 
     Args:
