@@ -5,11 +5,13 @@ Drivers are not needed for that, and so nothing comes up: the doctor asks over t
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from cell.assembly.twin import assemble_twin
 from cell.assembly.wires import TwinWires, WireLoom
@@ -20,10 +22,14 @@ from cell.errors import CellError, LedgerError
 from cell.ledger import Ledger
 from cell.links.base import Link
 from cell.links.memory import MemoryLink
+from cell.lock import CellLock
 from cell.profile import Profile
 from cell.stop import StopToken
 from cell.store import StorePlan
+from cell.twin.keeping import WorldFile
 from cell.twin_cell import TwinCell
+
+_WORLD = "world.json"
 
 
 def patient_of_twin(
@@ -54,38 +60,34 @@ def meet_twin(
 ) -> Iterator[Patient]:
     """Put a twin together for the doctor, and away afterwards.
 
-    Where what is kept in the folder cannot be used, which is a finding of its own, a twin
-    with a clean world is examined.
+    It begins with the world that is kept in the folder, and writes nothing there. Where that
+    world cannot be used, which is a finding of its own, it begins with a clean one.
 
     Raises:
         StillHeld: Another process has the cell.
         CellError: The profile's figures cannot be used, or there are no pseudo-terminals.
     """
-    has_state = state_folder is not None and state_folder.is_dir()
-    is_ledger_lost = False
-    try:
-        cell = assemble_twin(
-            profile, plan, seed=0, clock=clock, state_folder=state_folder if has_state else None
-        )
-    except CellError:
-        if not has_state:
-            raise
-        is_ledger_lost = True
-        cell = assemble_twin(profile, plan, seed=0, clock=clock)
-    try:
+    folder = state_folder if state_folder is not None and state_folder.is_dir() else None
+    with ExitStack() as stack:
+        if folder is not None:
+            stack.callback(CellLock(folder).release)
+        copied = None
+        if folder is not None and _has_sound_world(profile, plan, clock, folder):
+            copied = Path(stack.enter_context(TemporaryDirectory(prefix="robocell-doctor-")))
+            shutil.copy(folder / _WORLD, copied / _WORLD)
+        cell = assemble_twin(profile, plan, seed=0, clock=clock, state_folder=copied)
+        stack.callback(cell.dispose)
         patient = patient_of_twin(cell, lattice=lattice, views=views)
-        if is_ledger_lost:
-            patient = replace(patient, ledger=None)
-        if wires == "memory":
-            yield patient
-            return
-        loom = WireLoom.over_pty(profile, cell.behind.wires, clock, None, StopToken())
-        try:
-            yield replace(patient, lines=borrowed_lines(loom))
-        finally:
-            loom.close()
-    finally:
-        cell.dispose()
+        if folder is not None:
+            ledger = _kept_ledger(folder)
+            if ledger is not None:
+                stack.callback(ledger.close)
+            patient = replace(patient, ledger=ledger)
+        if wires == "pty":
+            loom = WireLoom.over_pty(profile, cell.behind.wires, clock, None, StopToken())
+            stack.callback(loom.close)
+            patient = replace(patient, lines=borrowed_lines(loom))
+        yield patient
 
 
 @contextmanager
@@ -129,6 +131,21 @@ def riding_cameras(profile: Profile) -> tuple[str, ...]:
 def borrowed_lines(loom: WireLoom) -> dict[str, OpenLine]:
     """Return the lines of a loom as the doctor opens them; the loom closes them in the end."""
     return {name: partial(_Borrowed, link) for name, link in loom.links.items()}
+
+
+def _has_sound_world(profile: Profile, plan: StorePlan, clock: Clock, folder: Path) -> bool:
+    """Return whether a folder keeps a world that a twin can begin with."""
+    file = WorldFile(folder / _WORLD)
+    if not file.exists():
+        return False
+    cell = assemble_twin(profile, plan, seed=0, clock=clock)
+    try:
+        file.load_into(cell.world)
+    except CellError:
+        return False
+    finally:
+        cell.dispose()
+    return True
 
 
 def _kept_ledger(state_folder: Path | None) -> Ledger | None:

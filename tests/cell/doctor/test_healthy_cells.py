@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from cell.doctor import PageState
+from cell.links.base import Link
 from cell.profile import Profile
 from cell.twin.keeping import dump_world
 from tests.cell.doctor.ward import NOW, Ward, mash
@@ -162,7 +163,7 @@ def test_a_disabled_device_is_not_looked_at() -> None:
     assert any(one.component == "gripper" for one in report.unchecked)
 
 
-def _never() -> object:
+def _never() -> Link:
     raise AssertionError("the line of a disabled device was opened")
 
 

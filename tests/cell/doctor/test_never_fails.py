@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -71,7 +72,7 @@ def test_several_faults_at_once_end_in_a_report(number: int) -> None:
         cell.behind.module,
         cell.behind.television,
     )
-    faults = (
+    faults: tuple[Callable[[], None], ...] = (
         lambda: controller.press_emergency_stop(now_s),
         lambda: controller.set_key_switch(now_s, is_automatic=False),
         lambda: controller.hold_right_by_panel(now_s, is_held=True),
