@@ -15,6 +15,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Final
 
+from cell.errors import ProfileError
+
 KeyPath = tuple[str | int, ...]
 """Keys from the outermost table inwards; a number counts within an array, from 0."""
 
@@ -101,7 +103,7 @@ def place_at(text: str, line: int, column: int) -> Place:
     return Place(start, start + 1, line, column)
 
 
-class _Unreadable(Exception):
+class _Unreadable(ProfileError):
     """The text is no TOML from here on."""
 
 
