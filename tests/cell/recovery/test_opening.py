@@ -9,6 +9,10 @@ from cell.errors import DeviceError
 from cell.recovery.opening import OpeningFailed, Step, bring_up
 
 
+def meet(meeting: threading.Barrier) -> None:
+    meeting.wait()
+
+
 def failing(device: str) -> Step:
     def run() -> None:
         raise DeviceError(device, "is silent", hint="look at its cable")
@@ -29,8 +33,8 @@ def test_on_a_simulated_clock_devices_come_up_in_order() -> None:
 
 def test_on_the_systems_clock_they_come_up_at_the_same_time() -> None:
     meeting = threading.Barrier(2, timeout=10)
-    bring_up(([Step("arm", lambda: meeting.wait() and None)],
-              [Step("display", lambda: meeting.wait() and None)]), SystemClock())  # fmt: skip
+    bring_up(([Step("arm", lambda: meet(meeting))],
+              [Step("display", lambda: meet(meeting))]), SystemClock())  # fmt: skip
     assert not meeting.broken
 
 

@@ -30,7 +30,7 @@ def test_a_line_of_no_length_is_a_point() -> None:
 
 
 def joints(*values: float) -> JointPositions:
-    return JointPositions(tuple(values) + (0.0,) * (6 - len(values)))  # type: ignore[arg-type]
+    return JointPositions(tuple(values) + (0.0,) * (6 - len(values)))
 
 
 def test_joints_at_the_same_share_of_their_way_are_on_the_path() -> None:

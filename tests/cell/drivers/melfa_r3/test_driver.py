@@ -278,7 +278,7 @@ def test_a_broken_link_while_opening_is_told_as_it_is() -> None:
 
 
 def test_closing_tries_every_step_and_tells_the_first_failure() -> None:
-    rig = opened_rig()
+    rig = opened_rig(replace(ARM_SETTINGS, attempts=1))
     rig.traffic.clear()
     rig.controller.replace_next_reply(b"?\r")
     with pytest.raises(DeviceError, match="which is no reply"):
