@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from cell.drivers.axis_vapix.tables import DIRECTIONS, LENS, PERCENT, SPEED, Span
+from cell.errors import CellError
 from cell.twin.emulators.axis_vapix.head import Head, angle_of_view_deg
 from cell.twin.emulators.axis_vapix.settings import EmulatedAxisSettings
 
 Query = Mapping[str, str]
 
 
-class Mistake(ValueError):
+class Mistake(CellError):
     """The request is wrong; the text is what the camera says."""
 
 
