@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from cell.clock import Clock
+from cell.errors import CellError
 from cell.links.base import Link, Tap
 from cell.links.capture import CapturedLink
 from cell.links.memory import MemoryLink
@@ -72,11 +73,15 @@ class WireLoom:
         """
         loom = cls()
         folder = loom._folder = Path(tempfile.mkdtemp(prefix="robocell-ports-"))
-        for name, line in serial_lines(profile).items():
-            port_line = line.model_copy(update={"port": str(folder / name), "usb_serial": ""})
-            wire = SteppedWire(emulators[name], PtyPort(folder / name, port_line), clock)
-            loom._ports.append(wire)
-            loom._add(name, _stepped_link(name, wire, port_line, clock, stop), tap)
+        try:
+            for name, line in serial_lines(profile).items():
+                port_line = line.model_copy(update={"port": str(folder / name), "usb_serial": ""})
+                wire = SteppedWire(emulators[name], PtyPort(folder / name, port_line), clock)
+                loom._ports.append(wire)
+                loom._add(name, _stepped_link(name, wire, port_line, clock, stop), tap)
+        except CellError:
+            loom.close()
+            raise
         return loom
 
     @classmethod
