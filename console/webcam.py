@@ -385,7 +385,12 @@ def _at(url: str, options: WebcamOptions) -> WebCameraProfile:
             password_variable=options.password_variable,
             timeout_s=options.timeout,
         )
-    except ValidationError:
+    except ValidationError as error:
+        if any(one["type"] == "value_error" for one in error.errors()):
+            raise ConsoleError(
+                "--url holds a name or a password; give --user, and in --password-variable the "
+                "name of an environment variable with the password"
+            ) from None
         raise ConsoleError(
             "--url is no address of a camera; http://HOST or http://HOST:PORT is expected"
         ) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import date
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from cell.devices.camera import CameraSettings
 from cell.devices.camera_features import FeatureName
@@ -50,14 +50,25 @@ class WebCameraProfile(Table):
 
     model: Text = "axis-211"
     """Maker's name of the camera."""
-    url: Annotated[str, Field(pattern=r"^https?://[^/\s]+")]
-    """Its address, such as `http://192.168.0.90`."""
+    url: Annotated[str, Field(pattern=r"^http://[^/\s]+/?$")]
+    """Its address, such as `http://192.168.0.90`; without a name or a password."""
     user: str = ""
     """Name to log in with; empty where the camera asks for none."""
     password_variable: str = ""
     """Environment variable that holds the password; a profile never does."""
     timeout_s: Positive = 5.0
     """How long a request may take."""
+
+    @field_validator("url", mode="before")
+    @classmethod
+    def _without_password(cls, url: object) -> object:
+        """Refuse an address that a name or a password is written into; it is not repeated."""
+        if isinstance(url, str) and "@" in url:
+            raise ValueError(
+                "holds a name or a password; write the name into `user`, and the name of an "
+                "environment variable with the password into `password_variable`"
+            )
+        return url
 
 
 class TwinCameraProfile(Table):

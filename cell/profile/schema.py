@@ -174,7 +174,7 @@ class Schema:
         if node.get("format") == "date":
             return "a date such as 2026-01-31"
         pattern = cast(str, node.get("pattern", ""))
-        if pattern.startswith("^https?"):
+        if pattern.startswith("^http"):
             return "an address such as http://192.168.0.90"
         if pattern:
             return "a name of letters, digits, '.', '-' and '_'"

@@ -71,7 +71,7 @@ class Explainer:
             return self._missing((*path, "model"))
         if error["type"] == "union_tag_invalid":
             path = (*path, "model")
-        return self._wrong_value(path)
+        return self._wrong_value(path, _own_words(error))
 
     # The three sorts of mistakes
 
@@ -105,7 +105,7 @@ class Explainer:
             hint=self._advice(table, name, known),
         )
 
-    def _wrong_value(self, path: KeyPath) -> Finding:
+    def _wrong_value(self, path: KeyPath, words: str = "") -> Finding:
         value = _within_path(self._data, path)
         node = self._schema.node(path, self._data)
         facts = self._schema.facts(path, self._data)
@@ -115,7 +115,8 @@ class Explainer:
         else:
             expected = "another value" if node is None else self._schema.expected(node)
         unit = facts.unit if facts is not None else ""
-        message = f"`{dotted(path)}` is {shown(value)}; allowed: {expected}{_in(unit)}"
+        given = f"is {shown(value)}; allowed: {expected}{_in(unit)}"
+        message = f"`{dotted(path)}` {words or given}"
         hint = "" if facts is None else facts.words
         near = difflib.get_close_matches(str(value), [str(one) for one in choices], 1, 0.5)
         if near:
@@ -156,6 +157,12 @@ class Explainer:
 
     def _arm_models(self, table: KeyPath) -> str:
         return f"one of {', '.join(shown(one) for one in self._arms(table))}"
+
+
+def _own_words(error: ErrorDetails) -> str:
+    """Return what a field's own check has to say, empty where pydantic's types refused."""
+    cause = error.get("ctx", {}).get("error")
+    return str(cause) if error["type"] == "value_error" and cause is not None else ""
 
 
 def shown(value: object) -> str:

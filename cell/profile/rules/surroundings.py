@@ -40,7 +40,6 @@ def _secrets(profile: CellProfile) -> Iterator[Problem]:
     urls: list[tuple[KeyPath, str]] = []
     variables: list[tuple[KeyPath, str]] = []
     if "web_camera" in profile.__dict__ and profile.web_camera is not None:
-        urls.append((("web_camera", "url"), profile.web_camera.url))
         variables.append(
             (("web_camera", "password_variable"), profile.web_camera.password_variable)
         )
