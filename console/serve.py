@@ -52,6 +52,9 @@ def serve(
         Literal["jpeg", "lossless", "none"], Parameter(help="How recordings keep pictures.")
     ] = "jpeg",
     no_record: Annotated[bool, Parameter(negative="", help="Record nothing.")] = False,
+    no_watchdog: Annotated[
+        bool, Parameter(negative="", help="Test no components between sessions.")
+    ] = False,
     wires: WiresOption = "memory",
 ) -> int:
     """Serve a script over MAS, on the twin or on hardware.
@@ -71,6 +74,7 @@ def serve(
         real_time: Whether time passes as it does for people.
         views: How recordings keep pictures.
         no_record: Whether nothing is recorded.
+        no_watchdog: Whether no component is tested between sessions.
         wires: How devices are reached; `hardware` takes ports and cameras of the profile, in
             real time, and shows pictures on the television's page.
     """
@@ -103,6 +107,8 @@ def serve(
             recordings=None if no_record else recordings_folder(),
         )
         say(f"seed {drawn}", "dim")
+        if used.watchdog.enabled and not no_watchdog:
+            _start_watchdog(hosted, stack)
         settle_memory()
         return run_until_stopped(MasServer(hosted.desk, listeners, ready=_announce))
 
@@ -157,6 +163,27 @@ def _host(
         )
     stack.callback(hosted.close)
     return hosted
+
+
+def _start_watchdog(hosted: Hosted[TwinCell] | Hosted[RobotCell], stack: ExitStack) -> None:
+    """Let the watchdog run beside the server, until the stack is closed."""
+    from cell.clock import SystemClock
+    from cell.watchdog import WatchdogThread
+    from sessions.hosting import versions
+    from sessions.watching import lend_from, watch
+
+    watching = watch(
+        hosted.cell,
+        lend_from(hosted.desk),
+        cell_folder(hosted.cell.profile.name),
+        SystemClock(),
+        wire=hosted.wire,
+        versions=versions(),
+    )
+    stack.callback(watching.close)
+    thread = WatchdogThread(watching.watchdog)
+    stack.callback(thread.stop)
+    thread.start()
 
 
 def run_until_stopped(server: MasServer) -> int:

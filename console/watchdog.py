@@ -66,7 +66,9 @@ def run(
             raise ConsoleError(
                 f"--only {unknown[0]}: there is no such component; there are {', '.join(known)}"
             )
-        watching = watch(cell, lambda: nullcontext(True), folder, wire=wire, versions=versions())
+        watching = watch(
+            cell, lambda: nullcontext(True), folder, clock, wire=wire, versions=versions()
+        )
         say("testing " + ", ".join(only or known), "dim")
         try:
             done = watching.watchdog.run_round(only or ())

@@ -22,6 +22,7 @@ from cell.profile import Profile
 from cell.robot_cell import RobotCell
 from cell.store import StorePlan, StoreSlot
 from cell.twin_cell import TwinCell
+from cell.watchdog import WireLog
 from sessions.binding import check_servable
 from sessions.cell_script import CellScript
 from sessions.desk import Desk
@@ -36,10 +37,17 @@ CellT = TypeVar("CellT", bound=RobotCell)
 
 @dataclass(frozen=True)
 class Hosted(Generic[CellT]):
-    """A cell and its desk; `close` gives everything back."""
+    """A cell and its desk; `close` gives everything back.
+
+    Attributes:
+        cell: The cell.
+        desk: Lends it to sessions.
+        wire: Shown every byte on every wire, for a watchdog's evidence.
+    """
 
     cell: CellT
     desk: Desk
+    wire: WireLog
 
     def close(self) -> None:
         """Switch everything off and give back the ledger, the wires and the cell's lock."""
@@ -79,18 +87,20 @@ def host_twin(
     check_servable(script, profile)
     events = EventBus(clock)
     tap = SwitchedTap()
+    wire = WireLog(clock, None if recordings is None else tap)
     cell = assemble_twin(
         profile,
         store_plan(script),
         seed=seed,
         clock=clock,
         state_folder=state_folder,
-        tap=None if recordings is None else tap,
+        tap=wire,
         events=events,
         wires=wires,
     )
     journals = _journals(recordings, events, clock, views, tap)
-    return Hosted(cell, _desk(cell, script, profile, profile_text, events, seed, journals))
+    desk = _desk(cell, script, profile, profile_text, events, seed, journals)
+    return Hosted(cell, desk, wire)
 
 
 def host_hardware(
@@ -128,6 +138,7 @@ def host_hardware(
     check_servable(script, profile)
     events = EventBus(clock)
     tap = SwitchedTap()
+    wire = WireLog(clock, None if recordings is None else tap)
     cell = assemble_hardware(
         profile,
         store_plan(script),
@@ -135,11 +146,12 @@ def host_hardware(
         state_folder=state_folder,
         screen=screen,
         cameras=cameras,
-        tap=None if recordings is None else tap,
+        tap=wire,
         events=events,
     )
     journals = _journals(recordings, events, clock, views, tap)
-    return Hosted(cell, _desk(cell, script, profile, profile_text, events, seed, journals))
+    desk = _desk(cell, script, profile, profile_text, events, seed, journals)
+    return Hosted(cell, desk, wire)
 
 
 def _journals(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from cell.clock import Clock
 from cell.robot_cell import RobotCell
 from cell.watchdog import History, Outbox, Watchdog, WireLog
 from cell.watchdog.reporters import reporters_of
@@ -34,6 +35,7 @@ def watch(
     cell: RobotCell,
     lend: Lend,
     folder: Path | None,
+    clock: Clock,
     *,
     wire: WireLog,
     versions: Mapping[str, str],
@@ -45,6 +47,7 @@ def watch(
         cell: The cell.
         lend: Gives the cell for a round, or says that a session has it.
         folder: The cell's state folder; None keeps the history in memory.
+        clock: Tells when rounds are due.
         wire: The tap that the cell was assembled with.
         versions: Version of everything that matters.
         wall_clock: Tells the date.
@@ -54,7 +57,9 @@ def watch(
     """
     history = open_history(folder, wall_clock())
     outbox = Outbox(history, reporters_of(cell.profile.reports), lambda: wall_clock().timestamp())
-    watchdog = Watchdog(cell, lend, history, outbox, wall_clock, wire=wire, versions=versions)
+    watchdog = Watchdog(
+        cell, lend, history, outbox, wall_clock, clock, wire=wire, versions=versions
+    )
     return Watch(watchdog, history, outbox)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 import threading
+import traceback
+from pathlib import PurePath
 
 from cell.errors import CellError
 from cell.watchdog.watchdog import Watchdog
@@ -41,4 +43,9 @@ class WatchdogThread:
                 wait_s = self._watchdog.step()
             except CellError as error:
                 _log.error("watchdog: %s", error)
+                wait_s = _AFTER_MISHAP_S
+            except Exception as error:  # The thread's edge: what nobody foresaw must not end it.
+                frame = traceback.extract_tb(error.__traceback__)[-1]
+                place = f"{PurePath(frame.filename).name}:{frame.lineno}"
+                _log.error("watchdog: %s at %s: %s", type(error).__name__, place, error)
                 wait_s = _AFTER_MISHAP_S

@@ -8,8 +8,9 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import datetime
 
+from cell.clock import Clock
 from cell.devices.camera import Frame
-from cell.errors import CellError, Stopped
+from cell.errors import CellError, ResumeRefused, Stopped
 from cell.events import ComponentTested
 from cell.robot_cell import RobotCell
 from cell.watchdog.components import ComponentTest, component_tests
@@ -48,6 +49,7 @@ class Watchdog:
         history: Where outcomes and faults are kept.
         outbox: Where reports wait for their trackers.
         wall_clock: Tells the date, UTC.
+        clock: Tells when rounds are due: real time even where the cell's own time is simulated.
         wire: The tap of the cell's links, for evidence.
         versions: Version of everything that matters, for evidence.
     """
@@ -59,6 +61,7 @@ class Watchdog:
         history: History,
         outbox: Outbox,
         wall_clock: Callable[[], datetime],
+        clock: Clock,
         *,
         wire: WireLog,
         versions: Mapping[str, str],
@@ -68,10 +71,11 @@ class Watchdog:
         self._history = history
         self._outbox = outbox
         self._wall_clock = wall_clock
+        self._clock = clock
         self._wire = wire
         self._versions = dict(versions)
         self._every_s = cell.profile.watchdog.every_s
-        self._next_s = cell.clock.now_s() + self._every_s
+        self._next_s = clock.now_s() + self._every_s
         self._stop_asked = False
 
     def stop(self) -> None:
@@ -80,7 +84,7 @@ class Watchdog:
 
     def step(self) -> float:
         """Do what is due, tests and reports; return after how many seconds to come again."""
-        clock = self._cell.clock
+        clock = self._clock
         if clock.now_s() >= self._next_s:
             if self.run_round() is None:
                 self._next_s = clock.now_s() + RETRY_BUSY_S
@@ -127,6 +131,11 @@ class Watchdog:
         except Stopped as error:
             self._wire.end()
             return self._note(test, number, "not tested", f"stopped: {error}")
+        except ResumeRefused as error:
+            # The arm is held after an earlier fault, which was told when it happened; that it
+            # may go on is for people to say.
+            self._wire.end()
+            return self._note(test, number, "not tested", str(error))
         except CellError as error:
             evidence = gather(self._wire.end(), frames, self._versions)
             self._report(test, error, evidence)

@@ -45,6 +45,7 @@ class Rig:
             self.history,
             self.outbox,
             self.wall_clock,
+            self.clock,
             wire=self.wire,
             versions={"robocell": "0.1"},
         )

@@ -2,14 +2,19 @@ from __future__ import annotations
 
 import json
 import random
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from cell.errors import DeviceError
+from cell.errors import CellError, DeviceError
 from cell.events import ComponentTested
 from cell.profile import Profile, load_profile
+from cell.twin.cameras.rendering import Renderer, Shot
+from cell.twin.scene import Scene
 from cell.twin.wire_faults import WireFault
 from cell.watchdog import WatchdogThread
 from cell.watchdog.report import cause_of
@@ -239,6 +244,48 @@ def test_the_thread_tests_and_stops() -> None:
     assert len([e for e in tested.take() if isinstance(e.body, ComponentTested)]) <= 5
 
 
+def test_the_thread_outlives_what_nobody_foresaw(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = Rig(profile=one_camera())
+    came = threading.Event()
+
+    def step() -> float:
+        came.set()
+        raise ZeroDivisionError("a mistake of ours")
+
+    monkeypatch.setattr(rig.watchdog, "step", step)
+    thread = WatchdogThread(rig.watchdog)
+    thread.start()
+    assert came.wait(10.0)
+    assert thread.stop()
+    assert "ZeroDivisionError at test_watchdog.py" in caplog.text
+    assert "Traceback" not in caplog.text
+
+
+def test_an_arm_that_is_held_is_left_alone_until_people_ask_to_go_on() -> None:
+    rig = Rig(profile=one_camera())
+    rig.cell.open()
+    rig.cell.move_to(600.0, 0.0, 300.0)
+    _press(rig)
+    with pytest.raises(CellError):
+        rig.cell.move_to(500.0, 0.0, 300.0)
+    _release(rig)
+    rig.cell.close()
+    before = rig.cell.behind.world.joints_deg(rig.clock.now_s())
+    done = rig.watchdog.run_round(only=["arm"])
+    assert done is not None
+    assert [(r.outcome, "begin a new task" in r.detail) for r in done.records] == [
+        ("not tested", True)
+    ]
+    assert rig.cell.behind.world.joints_deg(rig.clock.now_s()) == before
+    rig.cell.arm.allow_resume()
+    again = rig.watchdog.run_round(only=["arm"])
+    assert again is not None
+    assert [r.outcome for r in again.records] == ["ok"]
+    assert rig.history.faults() == []
+
+
 Hand = Callable[[Rig], None]
 
 
@@ -274,6 +321,31 @@ def _panel(*, is_held: bool) -> Hand:
     return hold
 
 
+def _pull(rig: Rig) -> None:
+    rig.cell.behind.cameras["top"].pull_cable()
+
+
+def _plug(rig: Rig) -> None:
+    rig.cell.behind.cameras["top"].plug_in()
+
+
+def _mute(*, is_silent: bool) -> Hand:
+    def turn(rig: Rig) -> None:
+        rig.cell.behind.cameras["top"].fall_silent(is_silent)
+
+    return turn
+
+
+def _sketched(renderer: Renderer, scene: Scene, shot: Shot) -> NDArray[np.uint8]:
+    """Stand in for the renderer, which five hundred rounds would spend nearly all their time in.
+
+    Light, dark and two greys are all that the watchdog looks at.
+    """
+    pixels = np.full((960, 1280, 3), 120 if scene.are_lights_on else 10, np.uint8)
+    pixels[: shot.number % 900 + 1] //= 2
+    return pixels
+
+
 FAULTS: tuple[tuple[str, Hand, Hand], ...] = (
     _wire("arm", WireFault.SILENT),
     _wire("arm", WireFault.UNPLUGGED),
@@ -284,11 +356,16 @@ FAULTS: tuple[tuple[str, Hand, Hand], ...] = (
     _wire("gripper", WireFault.UNPLUGGED),
     _wire("display", WireFault.SILENT),
     _wire("display", WireFault.UNPLUGGED),
+    ("camera top", _pull, _plug),
+    ("camera top", _mute(is_silent=True), _mute(is_silent=False)),
 )
 
 
 @pytest.mark.timeout(600)
-def test_500_rounds_with_faults_report_each_fault_once_to_a_tracker_that_goes_down() -> None:
+def test_500_rounds_with_faults_report_each_fault_once_to_a_tracker_that_goes_down(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Renderer, "take", _sketched)
     seed = 20260105
     source = random.Random(seed)
     moods: tuple[Mood, ...] = ("overloaded", "drops", "deaf after filing", "refuses", "garbage")
