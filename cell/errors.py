@@ -5,6 +5,7 @@ CellError
 ├── LinkError           bytes do not travel
 ├── DeviceError         a device refused, failed or did not answer
 │   ├── DeviceTimeout   it did not answer in time
+│   ├── OutOfRange      it has no such value; nothing was sent
 │   ├── DeviceRestarted it has forgotten its session: it was off in between
 │   └── MotionInterrupted a motion ended early without an alarm
 ├── MotionRefused       the guard turned a motion down
@@ -58,6 +59,10 @@ class DeviceError(CellError):
 
 class DeviceTimeout(DeviceError):
     """A device did not answer or did not finish in time."""
+
+
+class OutOfRange(DeviceError):
+    """A value was asked for that the device cannot take; nothing was sent to it."""
 
 
 class DeviceRestarted(DeviceError):

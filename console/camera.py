@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
 from console.exits import ConsoleError
+from console.figures import Figure
 from console.hand import DEFAULTS, HandOptions, by_hand, tell
 from console.output import put_json, put_table
 
@@ -126,7 +128,7 @@ def features(name: str, /, *, options: HandOptions = DEFAULTS) -> int:
 def set_feature(
     name: str,
     feature: str,
-    value: Annotated[float, Parameter(allow_leading_hyphen=True)],
+    value: Figure,
     /,
     *,
     raw: Annotated[
@@ -204,8 +206,12 @@ def _feature(name: str) -> FeatureName:
 
 def _assignment(text: str) -> tuple[FeatureName, float]:
     name, _, value = text.partition("=")
+    which = _feature(name)
     try:
-        return _feature(name), float(value)
+        number = float(value)
+        if not math.isfinite(number):
+            raise ValueError(value)
+        return which, number
     except ValueError as error:
         raise ConsoleError(f"--set {text}: FEATURE=NUMBER is expected, as shutter=20") from error
 

@@ -68,7 +68,7 @@ def by_hand(options: HandOptions, work: Callable[[ByHand], int | None]) -> int:
     Ctrl-C and SIGTERM stop the arm at once and end the command with code 130.
 
     Returns:
-        The exit code; 1 where the guard, the store or the fingers said no.
+        The exit code; 1 where the guard, the store, the fingers or a value's range said no.
     """
     from cell.by_hand import ByHand
     from cell.errors import CellError, Stopped
@@ -89,16 +89,21 @@ def by_hand(options: HandOptions, work: Callable[[ByHand], int | None]) -> int:
 
 def _refused(error: CellError, options: HandOptions) -> int:
     """Tell a refusal and return exit code 1; any other error goes its way."""
+    from cell.devices.camera_features import FeatureError
     from cell.errors import (
         GripFailed,
         LedgerError,
         MotionRefused,
+        OutOfRange,
         StoreError,
         UnreachablePose,
         VisionError,
     )
 
-    said_no = (MotionRefused, UnreachablePose, StoreError, GripFailed, VisionError, LedgerError)
+    said_no = (
+        MotionRefused, UnreachablePose, StoreError, GripFailed, VisionError, LedgerError,
+        OutOfRange, FeatureError,
+    )  # fmt: skip
     if not isinstance(error, said_no):
         raise error
     if options.as_json:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from cell.devices.gripper import Gripper, GripperState, GripResult
-from cell.errors import CellError, DeviceError, LinkError
+from cell.errors import CellError, DeviceError, LinkError, OutOfRange
 from cell.motion.guarded import GuardedArm
 from cell.recovery.policy import may_recover
 from cell.reporting import FaultReporter
@@ -103,6 +103,9 @@ class WatchedGripper:
         self._arm.ensure_clear()
         try:
             return work()
+        except OutOfRange:
+            # Nothing was sent: nobody has to stop for it.
+            raise
         except (DeviceError, LinkError) as error:
             if not may_recover("gripper"):
                 raise self._failed(error) from error

@@ -167,9 +167,13 @@ def test_the_modules_on_the_line_are_listed(cell: Cell) -> None:
 
 
 def test_an_opening_beyond_the_stroke_is_a_sentence(cell: Cell) -> None:
-    said = cell("gripper", "move", "80")
-    assert said.code == 3
-    assert "nearest is 70.0 mm" in said.err
+    said = cell("gripper", "move", "80", "--json")
+    assert said.code == 1
+    assert "allowed are 0.0 to 70.0 mm, nearest is 70.0 mm" in said.err
+    assert "held" not in said.err
+    assert "70.0 mm" in str(said.data()["refused"])
+    too_strong = cell("gripper", "grip", "--current", "50")
+    assert (too_strong.code, "above 0 up to 2 A" in too_strong.err) == (1, True)
 
 
 def test_lights_and_magnet_need_no_servos(cell: Cell) -> None:
@@ -196,8 +200,9 @@ def test_the_television_by_hand(cell: Cell) -> None:
 
 
 def test_what_the_television_refuses_is_a_sentence(cell: Cell) -> None:
-    assert cell("tv", "input", "99").code == 3
-    assert "0 to 60" in cell("tv", "volume", "70").err
+    assert cell("tv", "input", "99").code == 1
+    volume = cell("tv", "volume", "70")
+    assert (volume.code, "0 to 60" in volume.err) == (1, True)
 
 
 def test_a_picture_is_taken_in_the_size_asked(cell: Cell, tmp_path: Path) -> None:
@@ -231,8 +236,11 @@ def test_a_feature_is_set_and_read_back(cell: Cell) -> None:
     assert cell("camera", "set", "top", "gain", "-5").code == 0
     assert "set by the camera" in cell("camera", "auto", "top", "shutter", "on").out
     refused = cell("camera", "set", "top", "shutter", "100000")
-    assert refused.code == 3
-    assert "allowed" in refused.err
+    assert refused.code == 1
+    assert "allowed 0.01 to 533.333 ms" in refused.err
+    assert cell("camera", "set", "top", "shutter", "nan").code == 2
+    dark = cell("camera", "grab", "top", "--set", "shutter=100000")
+    assert (dark.code, "allowed" in dark.err) == (1, True)
 
 
 # Blocks

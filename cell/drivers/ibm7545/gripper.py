@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from cell.devices.gripper import GripperState, GripResult
 from cell.drivers.ibm7545.outputs import Outputs
-from cell.errors import DeviceError, DeviceTimeout
+from cell.errors import DeviceTimeout, OutOfRange
 
 _log = logging.getLogger(__name__)
 
@@ -62,7 +62,7 @@ class RegisterGripper:
             DeviceTimeout: The slave does not work the valve.
         """
         if not 0.0 <= opening_mm <= self._open_mm:
-            raise DeviceError(
+            raise OutOfRange(
                 self._device,
                 f"an opening of {opening_mm:g} mm was asked for",
                 hint=f"it opens 0 to {self._open_mm:g} mm",

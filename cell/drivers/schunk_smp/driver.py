@@ -42,7 +42,7 @@ from cell.drivers.schunk_smp.tables import (
     Status,
     problem_of,
 )
-from cell.errors import DeviceError, DeviceTimeout, LinkError, Stopped
+from cell.errors import DeviceError, DeviceTimeout, LinkError, OutOfRange, Stopped
 from cell.links.base import Link
 from cell.stop import StopToken
 
@@ -385,7 +385,7 @@ class SchunkGripper:
     def _require_reachable(self, opening_mm: float) -> None:
         nearest_mm = min(max(opening_mm, self._lowest_mm), self._highest_mm)
         if opening_mm != nearest_mm:
-            raise DeviceError(
+            raise OutOfRange(
                 self._settings.device,
                 f"an opening of {opening_mm:.1f} mm is out of reach",
                 hint=f"allowed are {self._lowest_mm:.1f} to {self._highest_mm:.1f} mm, "
@@ -394,7 +394,7 @@ class SchunkGripper:
 
     def _require_current(self, current_a: float) -> None:
         if not 0 < current_a <= self._max_current_a:
-            raise DeviceError(
+            raise OutOfRange(
                 self._settings.device,
                 f"a grip current of {current_a:g} A is out of range",
                 hint=f"allowed is above 0 up to {self._max_current_a:g} A",

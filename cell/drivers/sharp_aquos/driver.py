@@ -33,7 +33,7 @@ from cell.drivers.sharp_aquos.tables import (
     Permission,
     Word,
 )
-from cell.errors import DeviceError, DeviceTimeout, LinkError
+from cell.errors import DeviceError, DeviceTimeout, LinkError, OutOfRange
 from cell.links.base import Link
 
 _LOGGER = logging.getLogger(__name__)
@@ -147,7 +147,7 @@ class SharpDisplay:
         """
         if number not in self._settings.inputs:
             known = ", ".join(f"{n} ({name})" for n, name in self._settings.inputs.items())
-            raise DeviceError(
+            raise OutOfRange(
                 self._settings.device, f"has no input {number}", hint=f"there are {known}"
             )
         self._do(Set(Word.INPUT, number))
@@ -259,7 +259,7 @@ class SharpDisplay:
     def _in_range(self, word: Word, value: int) -> Set:
         allowed = RANGES[word]
         if not allowed.allows(value):
-            raise DeviceError(
+            raise OutOfRange(
                 self._settings.device,
                 f"{word.name.lower().replace('_', ' ')} cannot be {value}",
                 hint=f"allowed is {allowed.least} to {allowed.most}",

@@ -18,7 +18,7 @@ from cell.drivers.ssc32.dialogue import Dialogue, log_repeat
 from cell.drivers.ssc32.panel import ServoPanel
 from cell.drivers.ssc32.settings import FingerSettings
 from cell.drivers.ssc32.tables import QUERY_UNIT_US
-from cell.errors import CellError, DeviceError, DeviceTimeout
+from cell.errors import CellError, DeviceError, DeviceTimeout, OutOfRange
 from cell.links.base import Link
 from cell.stop import StopToken
 
@@ -145,7 +145,7 @@ class Ssc32Gripper:
         settings = self._settings
         nearest_mm = min(max(opening_mm, settings.min_mm), settings.max_mm)
         if math.isnan(opening_mm) or abs(opening_mm - nearest_mm) > _SLACK_MM:
-            raise DeviceError(
+            raise OutOfRange(
                 settings.device,
                 f"an opening of {opening_mm:.1f} mm is out of reach",
                 hint=f"allowed are {settings.min_mm:.1f} to {settings.max_mm:.1f} mm, "
@@ -180,7 +180,7 @@ class Ssc32Gripper:
             Stopped: A stop was asked for; the fingers stand still.
         """
         if not current_a > 0:
-            raise DeviceError(
+            raise OutOfRange(
                 self._settings.device,
                 f"a grip current of {current_a:g} A is out of range",
                 hint="allowed is above 0 A; it changes nothing on these fingers",
