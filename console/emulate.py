@@ -74,7 +74,7 @@ def emulate(
     from cell.clock import SystemClock
 
     clock = SystemClock()
-    devices = _devices(model, profile, _plan(script), clock, seed)
+    devices = _devices(model, profile, _plan(script), clock, seed, on_network=tcp is not None)
     received: list[int] = []
     stopped = threading.Event()
 
@@ -103,7 +103,13 @@ def _plan(script: str | None) -> StorePlan:
 
 
 def _devices(
-    model: str | None, profile: str | None, plan: StorePlan, clock: Clock, seed: int
+    model: str | None,
+    profile: str | None,
+    plan: StorePlan,
+    clock: Clock,
+    seed: int,
+    *,
+    on_network: bool,
 ) -> tuple[EmulatedDevice, ...]:
     from cell.assembly.models import MODELS, emulate_cell, emulate_model
     from cell.profile import load_cell_profile
@@ -112,7 +118,7 @@ def _devices(
         return emulate_cell(load_cell_profile(profile or "mash"), plan, clock, seed=seed)
     if model not in MODELS:
         raise ConsoleError(f"there is no model {model}; there are {', '.join(sorted(MODELS))}")
-    return (emulate_model(model, profile, plan, clock, seed=seed),)
+    return (emulate_model(model, profile, plan, clock, seed=seed, on_network=on_network),)
 
 
 def _ends(
@@ -130,7 +136,7 @@ def _ends(
 
     ends: list[DeviceEnd] = []
     if tcp is not None:
-        ends.append(TcpEnd(*parse_address(tcp)))
+        ends.append(TcpEnd(*parse_address(tcp), on_connect=devices[0].on_connect))
     else:
         folder = None if pty is None else pty.parent if is_one else pty
         if folder is None:

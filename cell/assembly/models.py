@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from cell.assembly.emulated import blocks_in_store, emulate_devices
@@ -20,6 +21,7 @@ from cell.profile import (
 )
 from cell.store import StorePlan
 from cell.twin.emulators.ibm7545 import RegisterBridge, Slave, SlaveSettings
+from cell.twin.emulators.melfa_r3.ethernet import EthernetPort
 from cell.twin.emulators.ssc32 import ServoBank, Ssc32Controller, Ssc32ControllerSettings
 from cell.twin.wire_faults import FaultyEmulator
 from cell.twin.world import World
@@ -38,6 +40,7 @@ class EmulatedDevice:
         emulator: The device and its wire's faults.
         line: How its line is set.
         lock: Held while it works; devices of one world have the same.
+        on_connect: To be called when a program connects anew, where the device can tell.
     """
 
     name: str
@@ -45,6 +48,7 @@ class EmulatedDevice:
     emulator: FaultyEmulator
     line: SerialProfile
     lock: threading.RLock
+    on_connect: Callable[[], None] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +75,7 @@ MODELS: dict[str, Model] = {
 
 
 def emulate_cell(
-    profile: CellProfile, plan: StorePlan, clock: Clock, *, seed: int
+    profile: CellProfile, plan: StorePlan, clock: Clock, *, seed: int, on_network: bool = False
 ) -> tuple[EmulatedDevice, ...]:
     """Return every serial device of a cell, emulated, all acting on one new world.
 
@@ -80,9 +84,10 @@ def emulate_cell(
         plan: The store whose blocks are in the world; cells without a playground have none.
         clock: The clock of the world.
         seed: Seed of the world's chance, and of an arm's own errors.
+        on_network: Whether a MELFA's controller speaks as at its network port.
     """
     if isinstance(profile, Profile):
-        return _playground_devices(profile, plan, clock, seed)
+        return _playground_devices(profile, plan, clock, seed, on_network=on_network)
     arm = profile.arm
     if isinstance(arm, Ibm7545Profile):
         settings = replace(SlaveSettings.from_profile(arm), lateness_s=_PATIENCE_S)
@@ -100,7 +105,13 @@ def emulate_cell(
 
 
 def emulate_model(
-    model: str, profile: str | None, plan: StorePlan, clock: Clock, *, seed: int
+    model: str,
+    profile: str | None,
+    plan: StorePlan,
+    clock: Clock,
+    *,
+    seed: int,
+    on_network: bool = False,
 ) -> EmulatedDevice:
     """Return one device of a model, emulated in a new world.
 
@@ -110,13 +121,15 @@ def emulate_model(
         plan: The store whose blocks are in the world.
         clock: The clock of the world.
         seed: Seed of the world's chance, and of an arm's own errors.
+        on_network: Whether it is reached over TCP: the MELFA's controller then speaks as at
+            its network port, other devices as through a converter on their serial line.
 
     Raises:
         ProfileError: The profile cannot be used, or has no such model.
     """
     known = MODELS[model]
     used = load_cell_profile(profile or known.profile)
-    for device in emulate_cell(used, plan, clock, seed=seed):
+    for device in emulate_cell(used, plan, clock, seed=seed, on_network=on_network):
         if device.model == model:
             return device
     raise ProfileError(
@@ -126,7 +139,7 @@ def emulate_model(
 
 
 def _playground_devices(
-    profile: Profile, plan: StorePlan, clock: Clock, seed: int
+    profile: Profile, plan: StorePlan, clock: Clock, seed: int, *, on_network: bool
 ) -> tuple[EmulatedDevice, ...]:
     kinematics = SixAxisArm.from_profile(profile.arm)
     world = World(profile, kinematics, clock, blocks_in_store(profile, plan), seed=seed)
@@ -137,9 +150,20 @@ def _playground_devices(
         "gripper": profile.gripper.model,
         "display": profile.display.model,
     }
+    wires = dict(devices.wires)
+    on_connect: dict[str, Callable[[], None]] = {}
+    if on_network:
+        port = EthernetPort(devices.controller)
+        wires["arm"] = FaultyEmulator(port, seed=seed)
+        on_connect["arm"] = port.connect
     return tuple(
         EmulatedDevice(
-            name=name, model=models[name], emulator=devices.wires[name], line=line, lock=lock
+            name=name,
+            model=models[name],
+            emulator=wires[name],
+            line=line,
+            lock=lock,
+            on_connect=on_connect.get(name),
         )
         for name, line in serial_lines(profile).items()
     )

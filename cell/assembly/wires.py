@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from cell.clock import Clock
+from cell.drivers.melfa_r3.ethernet import FramedLink, PacketLink
 from cell.errors import CellError
 from cell.links.base import Link, Tap
 from cell.links.capture import CapturedLink
@@ -23,6 +24,7 @@ from cell.twin.wire_faults import FaultyEmulator
 
 Wires = Literal["memory", "pty", "hardware"]
 TwinWires = Literal["memory", "pty"]
+TcpFraming = Literal["text", "hc"]
 
 
 class WireLoom:
@@ -92,8 +94,12 @@ class WireLoom:
         loom = cls()
         for name, line in serial_lines(profile).items():
             tcp = profile.arm.tcp if name == "arm" else None
-            wire: SerialProfile | TcpProfile = line if tcp is None else tcp
-            loom._add(name, lazy_link(name, wire, clock, token=stop), tap)
+            link = (
+                lazy_link(name, line, clock, token=stop)
+                if tcp is None
+                else network_arm_link(name, tcp, profile.arm.tcp_framing, clock, stop)
+            )
+            loom._add(name, link, tap)
         return loom
 
     def _add(self, name: str, link: Link, tap: Tap | None) -> None:
@@ -107,6 +113,20 @@ def serial_lines(profile: Profile) -> dict[str, SerialProfile]:
         "gripper": profile.gripper.serial,
         "display": profile.display.serial,
     }
+
+
+def network_arm_link(
+    name: str, address: TcpProfile, framing: TcpFraming, clock: Clock, stop: StopToken
+) -> ReconnectingLink:
+    """Return a link to an arm controller on the network; each connection begins afresh."""
+    return ReconnectingLink(
+        name, lambda: framed(open_wire(name, address), framing, clock), clock, token=stop
+    )
+
+
+def framed(connection: Link, framing: TcpFraming, clock: Clock) -> Link:
+    """Return a new connection to an arm controller as its driver uses it, like a serial port."""
+    return FramedLink(connection, clock) if framing == "hc" else PacketLink(connection)
 
 
 def _stepped_link(

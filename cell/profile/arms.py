@@ -21,6 +21,9 @@ class MelfaProfile(Table):
     """The port of the controller."""
     tcp: TcpProfile | None = None
     """Where the controller is reached over the network; used instead of the port if given."""
+    tcp_framing: Literal["text", "hc"] = "text"
+    """How messages travel over the network: as plain text, or in the HC frames that the maker's
+    tool speaks; the controller is asked to change to them whenever it is connected to."""
     robot: Annotated[int, Field(ge=1, le=3)] = 1
     """Number of the robot at the controller."""
     slot: Annotated[int, Field(ge=1, le=32)] = 1

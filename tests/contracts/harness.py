@@ -4,7 +4,8 @@ Ways
     memory          driver and emulator joined in memory
     pty             the emulator behind a pseudo-terminal that pyserial opens; asserts
                     that the port object has every parameter of the profile, and that the
-                    kernel has its speed and stop bits (a pseudo-terminal shows no others)
+                    kernel has its speed and stop bits (a pseudo-terminal shows no others);
+                    a device on the network is behind a TCP port of loopback instead
     capture         recorded in memory, then replayed to a fresh driver
     standing clock  the same, on a clock that stands still while the replay says nothing
     pty capture     recorded over the pseudo-terminal, then replayed to a fresh driver
@@ -42,10 +43,12 @@ from cell.links.memory import MemoryLink
 from cell.links.reconnecting import ReconnectingLink
 from cell.links.scripted import ScriptedLink
 from cell.links.serial import SerialLink
-from cell.profile import SerialProfile
+from cell.links.tcp import TcpLink
+from cell.profile import SerialProfile, TcpProfile
 from cell.twin.serving.pty_port import PtyPort
 from cell.twin.serving.stepped import SteppedWire
 from cell.twin.wire_faults import FaultyEmulator
+from tests.contracts.tcp_port import SteppedTcpPort
 
 WAYS = ("memory", "pty", "capture", "standing clock", "pty capture")
 
@@ -79,6 +82,7 @@ class Kind(Generic[R, D]):
     line: SerialProfile
     rig: Callable[[], R]
     driver: Callable[[Link, Clock], D]
+    is_on_network: bool = False
 
 
 @dataclass
@@ -115,6 +119,8 @@ def record_in_memory(kind: Kind[R, D], scenario: Scenario[R, D], folder: Path) -
 def record_over_pty(kind: Kind[R, D], scenario: Scenario[R, D], folder: Path) -> Traffic:
     """Play a scenario over a pseudo-terminal and return every byte that passed."""
     rig = kind.rig()
+    if kind.is_on_network:
+        return _record_over_tcp(kind, scenario, rig)
     path = folder / kind.name
     line = kind.line.model_copy(update={"port": str(path), "usb_serial": ""})
     wire = SteppedWire(FaultyEmulator(rig.emulator), PtyPort(path, line), rig.clock)
@@ -130,6 +136,23 @@ def record_over_pty(kind: Kind[R, D], scenario: Scenario[R, D], folder: Path) ->
         traffic = _record(kind, scenario, rig, link)
         assert link.reopened == 0
         assert opened or not traffic
+        return traffic
+    finally:
+        link.close()
+        wire.close()
+
+
+def _record_over_tcp(kind: Kind[R, D], scenario: Scenario[R, D], rig: R) -> Traffic:
+    port = SteppedTcpPort()
+    wire = SteppedWire(FaultyEmulator(rig.emulator), port, rig.clock)
+    address = TcpProfile(host="127.0.0.1", port=port.number)
+    link = ReconnectingLink(
+        kind.name, lambda: wire.open(lambda: TcpLink(kind.name, address)), rig.clock
+    )
+    try:
+        traffic = _record(kind, scenario, rig, link)
+        assert link.reopened == 0
+        assert link.is_connected or not traffic
         return traffic
     finally:
         link.close()

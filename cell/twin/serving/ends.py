@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import socket
+from collections.abc import Callable
 from typing import Protocol
 
 from cell.errors import CellError
@@ -76,14 +77,18 @@ class TcpEnd:
     Args:
         host: Address to listen on.
         port: TCP port; 0 takes a free one and keeps it.
+        on_connect: Called whenever a program is taken, before its first bytes are heard.
 
     Raises:
         CellError: The address cannot be listened on.
     """
 
-    def __init__(self, host: str, port: int) -> None:
+    def __init__(
+        self, host: str, port: int, *, on_connect: Callable[[], None] | None = None
+    ) -> None:
         self._host = host
         self._port = port
+        self._on_connect = on_connect
         self._listening: socket.socket | None = None
         self._connected: socket.socket | None = None
         self.plug()
@@ -165,3 +170,5 @@ class TcpEnd:
             newcomer.setblocking(False)
             newcomer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._connected = newcomer
+            if self._on_connect is not None:
+                self._on_connect()

@@ -11,18 +11,41 @@ real time and as fast as it can, and nothing has to be locked.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Protocol
 
 from cell.clock import Clock
 from cell.errors import LinkError
 from cell.links.base import Link
 from cell.links.memory import await_bytes
-from cell.twin.serving.pty_port import PtyPort
 from cell.twin.wire_faults import FaultyEmulator
 
 _CHUNK_BYTES = 1024
 """Less than a pseudo-terminal buffers, so that a write never waits for its own reader."""
 _TRANSIT_S = 2.0
 """Bytes known to be on their way are there at once; this is for a stuck machine."""
+
+
+class SteppedPort(Protocol):
+    """The device's end of a port whose bytes are on their way at once: `PtyPort`, or TCP."""
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether the port is there."""
+
+    def greet(self) -> None:
+        """Make ready for a program that has just opened the port."""
+
+    def await_heard(self, count: int, timeout_s: float) -> bytes:
+        """Return the next `count` bytes that the program has sent."""
+
+    def say(self, data: bytes) -> int:
+        """Send bytes to the program; return how many the port took."""
+
+    def plug(self) -> None:
+        """Make the port appear."""
+
+    def unplug(self) -> None:
+        """Make the port vanish."""
 
 
 class SteppedWire:
@@ -34,7 +57,7 @@ class SteppedWire:
         clock: The clock of everything in the cell.
     """
 
-    def __init__(self, emulator: FaultyEmulator, port: PtyPort, clock: Clock) -> None:
+    def __init__(self, emulator: FaultyEmulator, port: SteppedPort, clock: Clock) -> None:
         self._emulator = emulator
         self._port = port
         self._clock = clock

@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 from cell.assembly import assemble_hardware, assemble_twin
-from cell.assembly.models import emulate_cell
-from cell.assembly.wires import TwinWires
+from cell.assembly.models import emulate_cell, emulate_model
+from cell.assembly.wires import TcpFraming, TwinWires
 from cell.clock import SimulatedClock, SystemClock
 from cell.errors import LinkError
 from cell.links.base import Direction
-from cell.profile import Profile, load_profile
+from cell.profile import Profile, TcpProfile, load_profile
 from cell.store import StorePlan
-from cell.twin.serving.ends import PtyEnd
+from cell.twin.serving.ends import PtyEnd, TcpEnd
 from cell.twin.serving.pty_port import PtyPort
 from cell.twin.serving.server import EmulatorServer
 from cell.twin.wire_faults import WireFault
@@ -145,3 +145,35 @@ def test_a_cell_is_assembled_without_its_ports_and_each_device_tells_itself(
         with pytest.raises(LinkError, match=f"{device}: no port COM"):
             use()
     cell.dispose()
+
+
+@pytest.mark.parametrize("framing", ["text", "hc"])
+def test_an_arm_on_the_network_works_and_its_cable_may_be_put_back(
+    framing: TcpFraming, tmp_path: Path
+) -> None:
+    clock, mash = SystemClock(), load_profile("mash")
+    device = emulate_model("melfa-rv6sdl", None, PLAN, clock, seed=1, on_network=True)
+    end = TcpEnd("127.0.0.1", 0, on_connect=device.on_connect)
+    address = TcpProfile(host="127.0.0.1", port=end.port)
+    arm_table = mash.arm.model_copy(update={"tcp": address, "tcp_framing": framing})
+    with EmulatorServer(device.name, device.emulator, end, clock, lock=device.lock):
+        cell = assemble_hardware(
+            mash.model_copy(update={"arm": arm_table}),
+            PLAN,
+            clock=clock,
+            state_folder=tmp_path,
+            screen=BareScreen(),
+            cameras={},
+        )
+        try:
+            arm = cell.arm.arm
+            assert "RV-6SDL" in cell.arm.open()
+            assert arm.read_state().is_servo_on
+            device.emulator.inject(WireFault.UNPLUGGED)
+            with pytest.raises(LinkError, match="arm"):
+                arm.read_state()
+            device.emulator.clear()
+            assert arm.read_state().is_servo_on
+            cell.arm.close()
+        finally:
+            cell.dispose()
