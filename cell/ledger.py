@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -60,12 +60,17 @@ class Ledger:
         """
         self._name = "memory" if path is None else str(path)
         try:
-            self._database = sqlite3.connect(
-                ":memory:" if path is None else path, isolation_level=None, check_same_thread=False
-            )
-            self._database.execute("PRAGMA journal_mode = WAL")
-            self._database.execute("PRAGMA synchronous = NORMAL")
-            self._database.executescript(_SCHEMA)
+            with ExitStack() as opened:
+                self._database = sqlite3.connect(
+                    ":memory:" if path is None else path,
+                    isolation_level=None,
+                    check_same_thread=False,
+                )
+                opened.callback(self._database.close)
+                self._database.execute("PRAGMA journal_mode = WAL")
+                self._database.execute("PRAGMA synchronous = NORMAL")
+                self._database.executescript(_SCHEMA)
+                opened.pop_all()
         except sqlite3.Error as error:
             raise LedgerError(
                 f"the ledger {self._name} cannot be opened ({error}); move the file away and put "

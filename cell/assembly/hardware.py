@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from cell.assembly.cameras import hardware_cameras
@@ -60,35 +61,37 @@ def assemble_hardware(
     """
     events = events or EventBus(clock)
     stop = StopToken()
-    lock = CellLock(state_folder)
-    loom = WireLoom.over_ports(profile, clock, tap, stop)
-    drivers = make_drivers(
-        profile,
-        loom.links,
-        clock,
-        stop,
-        on_warning=_warn,
-        on_repeat=FaultReporter(events).repeated,
-    )
-
-    def release() -> None:
-        loom.close()
-        lock.release()
-
-    return RobotCell(
-        profile,
-        arm=GuardedArm(drivers.arm, Guard.from_profile(profile), profile.arm, events, stop),
-        gripper=drivers.gripper,
-        display=drivers.display,
-        screen=screen,
-        cameras=hardware_cameras(profile, clock) if cameras is None else cameras,
-        ledger=Ledger(state_folder / "ledger.sqlite"),
-        plan=plan,
-        events=events,
-        clock=clock,
-        stop=stop,
-        release=release,
-    )
+    kept = ExitStack()
+    with ExitStack() as taken:
+        taken.callback(CellLock(state_folder).release)
+        loom = WireLoom.over_ports(profile, clock, tap, stop)
+        taken.callback(loom.close)
+        ledger = Ledger(state_folder / "ledger.sqlite")
+        taken.callback(ledger.close)
+        drivers = make_drivers(
+            profile,
+            loom.links,
+            clock,
+            stop,
+            on_warning=_warn,
+            on_repeat=FaultReporter(events).repeated,
+        )
+        cell = RobotCell(
+            profile,
+            arm=GuardedArm(drivers.arm, Guard.from_profile(profile), profile.arm, events, stop),
+            gripper=drivers.gripper,
+            display=drivers.display,
+            screen=screen,
+            cameras=hardware_cameras(profile, clock) if cameras is None else cameras,
+            ledger=ledger,
+            plan=plan,
+            events=events,
+            clock=clock,
+            stop=stop,
+            release=kept.close,
+        )
+        kept.callback(taken.pop_all().close)
+    return cell
 
 
 def _warn(text: str) -> None:

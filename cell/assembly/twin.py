@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 from cell.assembly.drivers import make_drivers
@@ -62,42 +62,49 @@ def assemble_twin(
     events = events or EventBus(clock)
     stop = StopToken()
     kinematics = SixAxisArm.from_profile(profile.arm)
-    lock = CellLock(state_folder) if state_folder is not None else None
-    world = World(profile, kinematics, clock, blocks_in_store(profile, plan), seed=seed)
-    if state_folder is not None:
-        _keep(world, WorldFile(state_folder / "world.json"), clock)
-    devices = emulate_devices(profile, world, kinematics, seed=seed)
-    if wires == "pty":
-        loom = WireLoom.over_pty(profile, devices.wires, clock, tap, stop)
-    else:
-        loom = WireLoom.in_memory(devices.wires, clock, tap)
-    drivers = make_drivers(
-        profile,
-        loom.links,
-        clock,
-        stop,
-        on_warning=_unheard,
-        on_repeat=FaultReporter(events).repeated,
-    )
-    cameras = _cameras(profile, plan, world, kinematics, clock)
-    cell = TwinCell(
-        profile,
-        arm=GuardedArm(drivers.arm, Guard.from_profile(profile), profile.arm, events, stop),
-        gripper=drivers.gripper,
-        display=drivers.display,
-        screen=TwinScreen(world),
-        cameras=cameras,
-        ledger=Ledger(None if state_folder is None else state_folder / "ledger.sqlite"),
-        plan=plan,
-        events=events,
-        clock=clock,
-        stop=stop,
-        release=_release(loom, lock),
-    )
-    cell.world = world
-    cell.behind = Behind(
-        world, devices.controller, devices.module, devices.television, cameras, devices.wires
-    )
+    kept = ExitStack()
+    with ExitStack() as taken:
+        if state_folder is not None:
+            taken.callback(CellLock(state_folder).release)
+        world = World(profile, kinematics, clock, blocks_in_store(profile, plan), seed=seed)
+        if state_folder is not None:
+            _keep(world, WorldFile(state_folder / "world.json"), clock)
+        devices = emulate_devices(profile, world, kinematics, seed=seed)
+        if wires == "pty":
+            loom = WireLoom.over_pty(profile, devices.wires, clock, tap, stop)
+        else:
+            loom = WireLoom.in_memory(devices.wires, clock, tap)
+        taken.callback(loom.close)
+        ledger = Ledger(None if state_folder is None else state_folder / "ledger.sqlite")
+        taken.callback(ledger.close)
+        drivers = make_drivers(
+            profile,
+            loom.links,
+            clock,
+            stop,
+            on_warning=_unheard,
+            on_repeat=FaultReporter(events).repeated,
+        )
+        cameras = _cameras(profile, plan, world, kinematics, clock)
+        cell = TwinCell(
+            profile,
+            arm=GuardedArm(drivers.arm, Guard.from_profile(profile), profile.arm, events, stop),
+            gripper=drivers.gripper,
+            display=drivers.display,
+            screen=TwinScreen(world),
+            cameras=cameras,
+            ledger=ledger,
+            plan=plan,
+            events=events,
+            clock=clock,
+            stop=stop,
+            release=kept.close,
+        )
+        cell.world = world
+        cell.behind = Behind(
+            world, devices.controller, devices.module, devices.television, cameras, devices.wires
+        )
+        kept.callback(taken.pop_all().close)
     return cell
 
 
@@ -128,14 +135,3 @@ def _keep(world: World, file: WorldFile, clock: Clock) -> None:
 
 def _unheard(warning: str) -> None:
     """Take a driver's warning that it was never tried on hardware: here is none."""
-
-
-def _release(loom: WireLoom, lock: CellLock | None) -> Callable[[], None]:
-    """Return what gives wires and lock back; a world in memory is locked by nobody."""
-
-    def release() -> None:
-        loom.close()
-        if lock is not None:
-            lock.release()
-
-    return release

@@ -13,7 +13,7 @@ from cell.drivers.schunk_smp.commands import GetState
 from cell.drivers.schunk_smp.framing import FROM_MODULE, DamagedFrame, FrameReader
 from cell.drivers.schunk_smp.tables import StateMode
 from cell.drivers.sharp_aquos import codec as sharp
-from cell.errors import LinkError
+from cell.errors import DeviceTimeout, LinkError
 from cell.links.base import Link
 from cell.profile import Profile
 
@@ -106,6 +106,11 @@ def listen(link: Link, clock: Clock, device: str, known: dict[str, Greeting]) ->
             stranger = _answers_others(link, clock, device, known)
     except LinkError as error:
         return Heard(verdict="broken", facts=(str(error),), error=error)
+    except DeviceTimeout as error:
+        # A link with frames of its own asks for them first, and nothing came back to that.
+        return Heard(verdict="silent", facts=(str(error),))
+    except melfa.GarbledMessage as error:
+        return Heard(verdict="garbage", facts=(str(error),))
     sample = (asked, f"{len(heard)} bytes came that are no answer: {heard[:16].hex(' ')}")
     if answered:
         return Heard(verdict="unreliable", facts=sample if heard else (asked,))
