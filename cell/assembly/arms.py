@@ -11,12 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
 
 from cell.assembly.wires import TwinWires
 from cell.clock import Clock
-from cell.devices.arm import Arm
-from cell.devices.gripper import Gripper
+from cell.devices.arm import OpenableArm
 from cell.drivers.ibm7545.bus import BridgedBus
 from cell.drivers.ibm7545.driver import Ibm7545Arm
 from cell.drivers.ibm7545.gripper import RegisterGripper
@@ -25,25 +23,30 @@ from cell.drivers.ssc32.driver import Ssc32Arm
 from cell.drivers.ssc32.gripper import Ssc32Gripper
 from cell.drivers.ssc32.line import straight_line
 from cell.drivers.ssc32.settings import FingerSettings, Ssc32Settings
-from cell.errors import ProfileError
+from cell.errors import CellError, ProfileError
 from cell.events import EventBus
 from cell.kinematics.line import joints_along_line
 from cell.kinematics.lynx import LynxArm
 from cell.kinematics.scara import ScaraArm
-from cell.links.base import Link, Tap
+from cell.links.base import Emulator, Link, Tap
 from cell.links.capture import CapturedLink
 from cell.links.memory import MemoryLink
 from cell.links.opening import lazy_link, open_wire
 from cell.links.reconnecting import ReconnectingLink
+from cell.lock import CellLock
 from cell.motion.chain_guard import ChainGuard
 from cell.motion.chain_hull import ChainShape
 from cell.motion.guarded import GuardedArm
 from cell.profile import BoxProfile, CellProfile
 from cell.profile.ibm7545 import Ibm7545Profile
 from cell.profile.lynx import LynxProfile
+from cell.recovery.arm_resume import ArmResumeCheck, BlindFingers, Straying
+from cell.recovery.watched_gripper import WatchedGripper
+from cell.reporting import FaultReporter
 from cell.stop import StopToken
 from cell.twin.emulators.ibm7545 import RegisterBridge, Slave, SlaveSettings
 from cell.twin.emulators.ssc32 import ServoBank, Ssc32Controller, Ssc32ControllerSettings
+from cell.twin.keeping_arm import ArmEmulator, ArmFile, KeptEmulator
 from cell.twin.serving.pty_port import PtyPort
 from cell.twin.serving.stepped import SteppedWire
 from cell.twin.wire_faults import FaultyEmulator
@@ -54,23 +57,35 @@ point lies between the fingertips, which reach past it, and so does half a held 
 _SCARA_OPEN_MM = 30.0
 """Opening of the pneumatic fingers; no source gives it."""
 
-ArmEmulator: TypeAlias = RegisterBridge | Ssc32Controller
+_LYNX_STRAYING = Straying(within_mm=20.0, within=2.5)
+"""A stopped Lynx stands within 10 us (about 1 deg) a joint of where its pulses were."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmStation:
-    """An arm with its gripper, ready to be opened.
+    """An arm with its gripper, ready to be opened: a cell without a playground.
 
     Attributes:
-        guarded: The arm; every motion passes its guard.
-        arm: The arm itself, for everything but motion.
+        profile: The cell's profile.
+        clock: Its clock.
+        events: Where its events go.
+        stop: Ends what takes long.
+        arm: The arm; every motion passes its guard, and the resume check after a fault.
+        driver: The arm itself, for everything but motion.
         gripper: Its gripper, on the same wire, or None where the profile has none.
-        dispose: Closes the wire; calling it twice is harmless.
+        confirm_grip: Says that somebody looked at the fingers after a fault: they measure
+            nothing. It holds for the next resume check that is clear.
+        dispose: Closes the wire and gives the cell back; calling it twice is harmless.
     """
 
-    guarded: GuardedArm
-    arm: Arm
-    gripper: Gripper | None
+    profile: CellProfile
+    clock: Clock
+    events: EventBus
+    stop: StopToken
+    arm: GuardedArm
+    driver: Ibm7545Arm | Ssc32Arm
+    gripper: WatchedGripper | None
+    confirm_grip: Callable[[], None]
     dispose: Callable[[], None]
 
 
@@ -87,6 +102,18 @@ class TwinArmStation(ArmStation):
     wire: FaultyEmulator
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Site:
+    """What a station is put together with."""
+
+    profile: CellProfile
+    clock: Clock
+    events: EventBus
+    stop: StopToken
+    tap: Tap | None
+    on_warning: Callable[[str], None]
+
+
 def twin_arm(
     profile: CellProfile,
     *,
@@ -96,6 +123,8 @@ def twin_arm(
     events: EventBus | None = None,
     stop: StopToken | None = None,
     wires: TwinWires = "memory",
+    state_folder: Path | None = None,
+    on_warning: Callable[[str], None] | None = None,
 ) -> TwinArmStation:
     """Put the arm of a cell together on its emulator.
 
@@ -107,23 +136,38 @@ def twin_arm(
         events: Where events go; a bus of its own unless given.
         stop: Ends what takes long.
         wires: In memory, or behind a pseudo-terminal that pyserial opens.
+        state_folder: Where the arm is kept from one process to the next, powered all the
+            time; None keeps it in memory, freshly powered.
+        on_warning: Told what a driver has to say although nothing failed, such as that a
+            first pose will jump.
 
     Raises:
         ProfileError: The profile has another arm.
+        StillHeld: Another process has this cell.
+        CellError: What is kept in the folder cannot be used.
     """
-    stop = stop or StopToken()
+    site = _Site(
+        profile=profile, clock=clock, events=events or EventBus(clock), stop=stop or StopToken(),
+        tap=tap, on_warning=on_warning or _unheard,
+    )  # fmt: skip
     emulator = _emulator(profile, seed)
-    wire = FaultyEmulator(emulator, seed=seed)
+    release, kept = _keep(emulator, state_folder, clock)
+    wire = FaultyEmulator(kept, seed=seed)
     if wires == "memory":
         link: Link = MemoryLink("arm", wire, clock)
-        dispose = link.close
+        close = link.close
     else:
-        link, dispose = _over_pty(profile, wire, clock, stop)
-    station = _station(profile, link, dispose, clock, tap, events, stop, on_warning=_unheard)
+        link, close = _over_pty(profile, wire, clock, site.stop)
+    station = _station(site, link, _each_once(close, release))
     return TwinArmStation(
-        guarded=station.guarded,
+        profile=station.profile,
+        clock=station.clock,
+        events=station.events,
+        stop=station.stop,
         arm=station.arm,
+        driver=station.driver,
         gripper=station.gripper,
+        confirm_grip=station.confirm_grip,
         dispose=station.dispose,
         emulator=emulator,
         wire=wire,
@@ -138,15 +182,31 @@ def hardware_arm(
     tap: Tap | None = None,
     events: EventBus | None = None,
     stop: StopToken | None = None,
+    state_folder: Path | None = None,
 ) -> ArmStation:
     """Put the arm of a cell together on the port of its profile, which is opened when used.
 
+    Args:
+        profile: The cell's profile; its arm is an IBM 7545 or a Lynx.
+        clock: The clock of the driver.
+        on_warning: Told what a technician should know although nothing failed.
+        tap: Shown every byte on the wire.
+        events: Where events go; a bus of its own unless given.
+        stop: Ends what takes long.
+        state_folder: Whose lock says that the cell is in use; None takes no lock.
+
     Raises:
         ProfileError: The profile has another arm.
+        StillHeld: Another process has this cell.
     """
-    stop = stop or StopToken()
-    link = lazy_link("arm", _own(profile).serial, clock, token=stop)
-    return _station(profile, link, link.close, clock, tap, events, stop, on_warning=on_warning)
+    site = _Site(
+        profile=profile, clock=clock, events=events or EventBus(clock), stop=stop or StopToken(),
+        tap=tap, on_warning=on_warning,
+    )  # fmt: skip
+    link = lazy_link("arm", _own(profile).serial, clock, token=site.stop)
+    lock = None if state_folder is None else CellLock(state_folder)
+    release = _nothing if lock is None else lock.release
+    return _station(site, link, _each_once(link.close, release))
 
 
 def chain_guard(profile: CellProfile) -> ChainGuard:
@@ -203,25 +263,49 @@ def _emulator(profile: CellProfile, seed: int) -> ArmEmulator:
     return Ssc32Controller(bank, Ssc32ControllerSettings.from_profile(arm))
 
 
-def _station(
-    profile: CellProfile,
-    link: Link,
-    dispose: Callable[[], None],
-    clock: Clock,
-    tap: Tap | None,
-    events: EventBus | None,
-    stop: StopToken,
-    *,
-    on_warning: Callable[[str], None],
-) -> ArmStation:
-    arm, guard = _own(profile), chain_guard(profile)
-    wire = link if tap is None else CapturedLink(link, tap)
-    driver, gripper = _drivers(arm, wire, clock, stop, on_warning)
+def _station(site: _Site, link: Link, dispose: Callable[[], None]) -> ArmStation:
+    figures, guard = _own(site.profile), chain_guard(site.profile)
+    wire = link if site.tap is None else CapturedLink(link, site.tap)
+    driver, fingers = _drivers(figures, wire, site.clock, site.stop, site.on_warning)
+    arm = GuardedArm(driver, guard, figures, site.events, site.stop)
+    reporter = FaultReporter(site.events)
+    checks: list[ArmResumeCheck] = []
+
+    def make_gate(opened: OpenableArm) -> ArmResumeCheck:
+        check = ArmResumeCheck(
+            figures,
+            arm=opened,
+            reopen=driver.reopen if figures.enabled else lambda: None,
+            kinematics=guard.arm,
+            guard=guard,
+            fingers=fingers,
+            straying=_LYNX_STRAYING if isinstance(figures, LynxProfile) else Straying(),
+            reporter=reporter,
+        )
+        checks.append(check)
+        return check
+
+    arm.pass_through(make_gate)
     return ArmStation(
-        guarded=GuardedArm(driver, guard, arm, events or EventBus(clock), stop),
-        arm=driver,
-        gripper=gripper,
+        profile=site.profile,
+        clock=site.clock,
+        events=site.events,
+        stop=site.stop,
+        arm=arm,
+        driver=driver,
+        gripper=None if fingers is None else _watched(fingers, arm, reporter),
+        confirm_grip=checks[0].confirm_grip,
         dispose=dispose,
+    )
+
+
+def _watched(fingers: BlindFingers, arm: GuardedArm, reporter: FaultReporter) -> WatchedGripper:
+    return WatchedGripper(
+        fingers.gripper,
+        arm,
+        may_hold_block=fingers.may_hold,
+        power_up=_nothing,
+        reporter=reporter,
     )
 
 
@@ -231,7 +315,7 @@ def _drivers(
     clock: Clock,
     stop: StopToken,
     on_warning: Callable[[str], None],
-) -> tuple[Arm, Gripper | None]:
+) -> tuple[Ibm7545Arm | Ssc32Arm, BlindFingers | None]:
     if isinstance(arm, Ibm7545Profile):
         scara = Ibm7545Arm(
             BridgedBus(link, clock),
@@ -241,8 +325,8 @@ def _drivers(
             token=stop,
             on_warning=on_warning,
         )
-        fingers = RegisterGripper(scara.outputs, open_mm=_SCARA_OPEN_MM, on_warning=on_warning)
-        return scara, fingers
+        valve = RegisterGripper(scara.outputs, open_mm=_SCARA_OPEN_MM, on_warning=on_warning)
+        return scara, BlindFingers(gripper=valve, open_mm=_SCARA_OPEN_MM, limp_is_empty=False)
     lynx = Ssc32Arm(
         link,
         clock,
@@ -254,7 +338,39 @@ def _drivers(
     if not arm.fingers.enabled:
         return lynx, None
     settings = FingerSettings.from_profile(arm)
-    return lynx, Ssc32Gripper(link, clock, settings, on_warning=on_warning, token=stop)
+    servo = Ssc32Gripper(link, clock, settings, on_warning=on_warning, token=stop)
+    return lynx, BlindFingers(gripper=servo, open_mm=settings.open_mm, limp_is_empty=True)
+
+
+def _keep(
+    emulator: ArmEmulator, folder: Path | None, clock: Clock
+) -> tuple[Callable[[], None], Emulator]:
+    """Lock and load a kept arm; return what keeps it and gives it back, and what to talk to."""
+    if folder is None:
+        return _nothing, emulator
+    lock, file = CellLock(folder), ArmFile(folder / "arm.json")
+    try:
+        file.load_into(emulator)
+    except CellError:
+        lock.release()
+        raise
+
+    def release() -> None:
+        file.save(emulator, clock.now_s())
+        lock.release()
+
+    return release, KeptEmulator(emulator, file)
+
+
+def _each_once(*deeds: Callable[[], None]) -> Callable[[], None]:
+    """Return what does several things, however often it is called only once."""
+    left = list(deeds)
+
+    def run() -> None:
+        while left:
+            left.pop(0)()
+
+    return run
 
 
 def _over_pty(
@@ -274,6 +390,10 @@ def _over_pty(
         folder.cleanup()
 
     return link, dispose
+
+
+def _nothing() -> None:
+    """Do nothing."""
 
 
 def _unheard(warning: str) -> None:

@@ -97,8 +97,10 @@ class Ibm7545Arm:
     def open(self) -> str:
         """Clear errors, find home unless it is known, and hold the arm ready.
 
-        Finding home moves the slide up first, then joints 1, 2 and 4, on the slave's own
-        account: see that the way is free. Once begun, only the emergency stop ends it.
+        Home is known to a slave whose sample period is ours: it is written when home was
+        found, and gone after a power-up. Finding home moves the slide up first, then joints 1,
+        2 and 4, on the slave's own account: see that the way is free. Once begun, only the
+        emergency stop ends it.
 
         Raises:
             DeviceError: Motor power is off, a joint stands past its limit, or home cannot
@@ -113,7 +115,7 @@ class Ibm7545Arm:
         self._is_ready = False
         self._servo.halt()
         self._clear()
-        if not self._is_home_known or self._was_restarted(self._state()):
+        if not self.knows_position():
             self._find_home()
         self._bus.write(Register.SAMPLE_PERIOD, (self._settings.period_us,))
         self._is_home_known = self._is_open = self._is_ready = True
@@ -121,6 +123,25 @@ class Ibm7545Arm:
             f"IBM 7545 behind shared registers, sample period {self._settings.period_us} µs, "
             "home found"
         )
+
+    def knows_position(self) -> bool:
+        """Return whether home was found since the slave's power-up; nothing moves.
+
+        Raises:
+            DeviceTimeout: The bridge or the slave does not answer.
+        """
+        return self._state().words[0] == self._settings.period_us
+
+    def reopen(self) -> None:
+        """Bring the arm back into service without moving it.
+
+        Raises:
+            DeviceRestarted: Home has to be found first, which moves the arm.
+            DeviceError: As `open`.
+        """
+        if not self.knows_position():
+            raise self._restarted()
+        self.open()
 
     def close(self) -> None:
         """Take all torque away; closing a closed arm does nothing."""
@@ -262,14 +283,17 @@ class Ibm7545Arm:
             raise fault(self._bus.device, alarm)
         if self._was_restarted(answer):
             self._is_ready = self._is_home_known = False
-            raise DeviceRestarted(
-                self._bus.device,
-                "the slave was switched off and on, so it does not know where home is",
-                hint=_REOPEN_HINT,
-            )
+            raise self._restarted()
         if not self._is_ready:
             raise DeviceError(self._bus.device, "the arm is not in service", hint=_REOPEN_HINT)
         return to_joints(positions_of(answer.words[5:]))
+
+    def _restarted(self) -> DeviceRestarted:
+        return DeviceRestarted(
+            self._bus.device,
+            "the slave was switched off and on, so it does not know where home is",
+            hint=f"see that the way home is free, then {_REOPEN_HINT}",
+        )
 
     def _follow(self, course: Course) -> None:
         points = [to_pulses(point.values) for point in course.points]
@@ -309,6 +333,9 @@ class Ibm7545Arm:
     def _find_home(self) -> None:
         """Let the slave find home; it clears the command register when it has."""
         self._is_home_known = False
+        self._outputs.forget()
+        # Whoever opens after a home that was not found must not take it for known.
+        self._bus.write(Register.SAMPLE_PERIOD, (0,))
         self._bus.write(Register.COMMAND, (Command.FIND_HOME,))
         deadline_s = self._clock.now_s() + self._settings.home_timeout_s
         try:

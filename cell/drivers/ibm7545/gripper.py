@@ -10,7 +10,7 @@ import logging
 from collections.abc import Callable
 
 from cell.devices.gripper import GripperState, GripResult
-from cell.drivers.ibm7545.outputs import Outputs
+from cell.drivers.ibm7545.outputs import NOT_WORKED, Outputs
 from cell.errors import DeviceTimeout, OutOfRange
 
 _log = logging.getLogger(__name__)
@@ -96,16 +96,21 @@ class RegisterGripper:
         return self.read_state()
 
     def read_state(self) -> GripperState:
-        """Return what the fingers were told last."""
+        """Return what the fingers were told last.
+
+        Until they were told anything they count as not referenced; their opening is told as
+        the open one, and is not known.
+        """
+        is_closed = self._outputs.is_closed
         return GripperState(
-            position_mm=0.0 if self._outputs.is_closed else self._open_mm,
+            position_mm=0.0 if is_closed else self._open_mm,
             velocity_mm_s=0.0,
             current_a=0.0,
-            is_referenced=True,
+            is_referenced=is_closed is not None,
             is_moving=False,
             has_error=False,
             error=0,
-            error_text="",
+            error_text=NOT_WORKED if is_closed is None else "",
         )
 
     def acknowledge(self) -> None:

@@ -15,6 +15,11 @@ FLUORESCENT = 1
 GRIPPER = 8
 """Output of the gripper's valve: on is closed."""
 
+NOT_WORKED = (
+    "the gripper's valve was not worked since this program began, and no register tells how "
+    "it stands"
+)
+
 _LAMPS = {HALOGEN: Lamp.HALOGEN, FLUORESCENT: Lamp.FLUORESCENT}
 
 
@@ -31,13 +36,17 @@ class Outputs:
         self._bus = bus
         self._clock = clock
         self._settings = settings
-        # The slave opens the gripper at power-up; its register never tells how it stands.
-        self._is_closed = False
+        # Its register never tells how the valve stands.
+        self._is_closed: bool | None = None
 
     @property
-    def is_closed(self) -> bool:
-        """Whether the gripper was closed last, rather than opened."""
+    def is_closed(self) -> bool | None:
+        """Whether the gripper was closed last, rather than opened; None if it is not known."""
         return self._is_closed
+
+    def forget(self) -> None:
+        """Forget how the valve was worked: the slave was restarted."""
+        self._is_closed = None
 
     def switch(self, bit: int, *, is_on: bool) -> None:
         """Switch an output.
@@ -57,11 +66,13 @@ class Outputs:
         """Return whether an output is on.
 
         Raises:
-            DeviceError: There is no such output.
+            DeviceError: There is no such output, or the valve was not worked yet.
             DeviceTimeout: The bridge is silent.
         """
         if bit == GRIPPER:
             self._bus.read(Register.GRIPPER)
+            if self._is_closed is None:
+                raise DeviceError(self._bus.device, NOT_WORKED, hint="work the gripper once")
             return self._is_closed
         return bool(self._bus.read(Register.LAMPS)[0] & self._lamp(bit))
 

@@ -31,7 +31,7 @@ from cell.drivers.ssc32.panel import ServoPanel
 from cell.drivers.ssc32.sending import MoveSender
 from cell.drivers.ssc32.settings import Ssc32Settings
 from cell.drivers.ssc32.tables import CHANNELS
-from cell.errors import DeviceError, UnreachablePose
+from cell.errors import DeviceError, DeviceRestarted, UnreachablePose
 from cell.geometry import JointPositions, Pose
 from cell.kinematics.lynx import LynxArm
 from cell.links.base import Link
@@ -150,6 +150,37 @@ class Ssc32Arm:
         self._identity = identity
         self._joints.were_lost = False
         return identity
+
+    def first_pose_needed(self) -> str:
+        """Return what the next `open` will move, as a sentence; empty if it moves nothing.
+
+        Raises:
+            DeviceTimeout: The controller does not answer.
+        """
+        pulses_us = self._joints.told_on_the_way_us()
+        if all(pulses_us):
+            return ""
+        rest = JointPositions(self._settings.rest_deg)
+        return (
+            f"{self._joints.unpulsed(pulses_us)}: the arm's pose is unknown. Its joints jump at "
+            f"full speed to the rest pose {rest} deg, one after the other"
+        )
+
+    def reopen(self) -> None:
+        """Bring the arm back into service where it stands; nothing moves.
+
+        Raises:
+            DeviceRestarted: The controller was restarted, and the first pose would move the arm.
+            DeviceError: As `open`.
+        """
+        pulses_us = self._joints.told_on_the_way_us()
+        if not all(pulses_us):
+            raise DeviceRestarted(
+                self._device,
+                self._joints.unpulsed(pulses_us),
+                hint="support the arm, put it into its rest pose, then open it again",
+            )
+        self.open()
 
     def close(self) -> None:
         """Stop; the servos go on holding the arm. Closing a closed arm does nothing.

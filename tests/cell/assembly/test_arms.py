@@ -33,17 +33,17 @@ def _scara(wires: TwinWires = "memory") -> TwinArmStation:
 def test_the_scara_picks_and_places_through_its_guard(wires: TwinWires) -> None:
     station = _scara(wires)
     try:
-        station.guarded.open()
-        station.guarded.move_joints(OVER_THE_WINDOW)
-        over = station.guarded.pose()
+        station.arm.open()
+        station.arm.move_joints(OVER_THE_WINDOW)
+        over = station.arm.pose()
         assert station.gripper is not None
-        station.guarded.move_linear(over.at_height(-227.7))
+        station.arm.move_linear(over.at_height(-227.7))
         assert station.gripper.grip(0.0).is_holding
-        station.guarded.move_linear(over.at_height(-200.0))
+        station.arm.move_linear(over.at_height(-200.0))
         assert isinstance(station.emulator, RegisterBridge)
         assert station.emulator.slave.is_closed
-        assert station.arm.read_pose().z_mm == pytest.approx(-200.0, abs=0.05)
-        station.guarded.close()
+        assert station.driver.read_pose().z_mm == pytest.approx(-200.0, abs=0.05)
+        station.arm.close()
     finally:
         station.dispose()
 
@@ -53,11 +53,11 @@ def test_what_the_guard_refuses_reaches_no_motor() -> None:
     station = twin_arm(
         AVRS, clock=SimulatedClock(), tap=lambda link, direction, data: traffic.append(data)
     )
-    station.guarded.open()
-    station.guarded.move_joints(OVER_THE_WINDOW)
+    station.arm.open()
+    station.arm.move_joints(OVER_THE_WINDOW)
     before = len(traffic)
     with pytest.raises(MotionRefused, match="into the table"):
-        station.guarded.move_linear(station.guarded.pose().at_height(-240.0))
+        station.arm.move_linear(station.arm.pose().at_height(-240.0))
     assert len(traffic) == before
 
 
@@ -65,16 +65,16 @@ def test_what_the_guard_refuses_reaches_no_motor() -> None:
 def test_the_lynx_moves_through_its_guard(wires: TwinWires) -> None:
     station = twin_arm(LYNX, clock=SimulatedClock(), wires=wires)
     try:
-        station.guarded.open()
+        station.arm.open()
         target = JointPositions((20.0, -20.0, 40.0, 40.0, 0.0))
-        station.guarded.move_joints(target)
-        assert station.arm.read_joints().values == pytest.approx(target.values, abs=0.1)
-        here = station.guarded.pose()
-        station.guarded.move_linear(here.at_height(here.z_mm + 15.0))
-        assert station.arm.read_pose().z_mm == pytest.approx(here.z_mm + 15.0, abs=1.0)
+        station.arm.move_joints(target)
+        assert station.driver.read_joints().values == pytest.approx(target.values, abs=0.1)
+        here = station.arm.pose()
+        station.arm.move_linear(here.at_height(here.z_mm + 15.0))
+        assert station.driver.read_pose().z_mm == pytest.approx(here.z_mm + 15.0, abs=1.0)
         with pytest.raises(MotionRefused, match="table"):
-            station.guarded.move_linear(here.at_height(-20.0))
-        station.guarded.close()
+            station.arm.move_linear(here.at_height(-20.0))
+        station.arm.close()
     finally:
         station.dispose()
 
@@ -91,7 +91,7 @@ def test_hardware_is_the_port_of_the_profile_and_opened_only_when_used() -> None
     station = hardware_arm(profile, clock=SimulatedClock(), on_warning=warnings.append)
     assert warnings == []
     with pytest.raises((DeviceTimeout, LinkError), match="none-such"):
-        station.guarded.open()
+        station.arm.open()
     assert any("never tried on hardware" in text for text in warnings)
     station.dispose()
 

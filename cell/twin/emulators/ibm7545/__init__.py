@@ -2,6 +2,6 @@
 
 from cell.twin.emulators.ibm7545.bridge import RegisterBridge
 from cell.twin.emulators.ibm7545.settings import SlaveSettings
-from cell.twin.emulators.ibm7545.slave import Slave
+from cell.twin.emulators.ibm7545.slave import KeptSlave, Slave
 
-__all__ = ["RegisterBridge", "Slave", "SlaveSettings"]
+__all__ = ["KeptSlave", "RegisterBridge", "Slave", "SlaveSettings"]

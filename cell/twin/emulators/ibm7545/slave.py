@@ -12,7 +12,12 @@ Of the state, all four timing bits come up at one moment here.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
+from typing import Annotated
+
+from pydantic import Field
 
 from cell.drivers.ibm7545.pulses import words_of
 from cell.drivers.ibm7545.registers import (
@@ -37,6 +42,9 @@ _MIN_PERIOD_S = 0.0005
 """The slave's own loop takes this long, whatever the register says."""
 
 
+Word = Annotated[int, Field(ge=0, le=0xFFFF)]
+
+
 class Mode(Enum):
     """What the slave is at."""
 
@@ -48,6 +56,27 @@ class Mode(Enum):
     AWAITING_PERIOD = "waits for the next period"
     HOMING = "finds home"
     GRIPPING = "works the gripper"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptSlave:
+    """An idle slave and its arm.
+
+    Attributes:
+        positions: Where the joints stand, in pulses from home.
+        origin: Where their counters were last put to zero, likewise.
+        sample_period_us: The register of that name; 0 if home was not found since power-up.
+        error: The error register.
+        lamps: Which lamps are on.
+        is_closed: Whether the gripper is closed.
+    """
+
+    positions: tuple[float, float, float, float]
+    origin: tuple[float, float, float, float]
+    sample_period_us: Word
+    error: Word
+    lamps: Word
+    is_closed: bool
 
 
 class Slave:
@@ -146,6 +175,29 @@ class Slave:
         self.advance(now_s)
         self.mechanics.advance(self._now_s)
         self.mechanics.place(joint, pulses)
+
+    def kept(self, now_s: float) -> KeptSlave:
+        """Return what a slave that stays powered goes on with; it idles then."""
+        self.advance(now_s)
+        self.counters()
+        return KeptSlave(
+            positions=_four(self.mechanics.positions),
+            origin=_four(self._origin),
+            sample_period_us=self._get(Register.SAMPLE_PERIOD),
+            error=self._get(Register.ERROR),
+            lamps=self._lamps,
+            is_closed=self.is_closed,
+        )
+
+    def restore(self, kept: KeptSlave) -> None:
+        """Go on from what was kept, at time 0; it was powered all the time."""
+        for joint, position in enumerate(kept.positions):
+            self.mechanics.place(joint, position)
+        self._origin = list(kept.origin)
+        self._put(Register.SAMPLE_PERIOD, kept.sample_period_us)
+        self._put(Register.ERROR, kept.error)
+        self._lamps, self.is_closed = kept.lamps, kept.is_closed
+        self._last = self.counters()
 
     def counters(self) -> tuple[int, ...]:
         """Return the position counters: pulses from where they were last put to zero."""
@@ -302,3 +354,8 @@ class Slave:
 _IN_SERVO_LOOP = frozenset(
     {Mode.MEASURING, Mode.AWAITING_TORQUES, Mode.AWAITING_MASTER, Mode.AWAITING_PERIOD}
 )
+
+
+def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
+    one, two, three, four = values
+    return one, two, three, four

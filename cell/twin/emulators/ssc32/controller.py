@@ -8,7 +8,10 @@ input holds that it was low since it was last read.
 
 from __future__ import annotations
 
-from typing import assert_never
+from dataclasses import dataclass
+from typing import Annotated, assert_never
+
+from pydantic import Field
 
 from cell.drivers.ssc32 import codec, tables
 from cell.drivers.ssc32.codec import BadCommand
@@ -26,11 +29,24 @@ from cell.drivers.ssc32.commands import (
     StopServo,
 )
 from cell.drivers.ssc32.servo_map import LinearServoMap
-from cell.twin.emulators.ssc32.servos import ServoBank, ServoErrors, TwinServo
+from cell.twin.emulators.ssc32.servos import KeptServo, ServoBank, ServoErrors, TwinServo
 from cell.twin.emulators.ssc32.settings import Ssc32ControllerSettings
 from cell.twin.emulators.uart import Transmitter
 
 _BANK_CHANNELS = 8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptController:
+    """A controller at rest, and its servos by channel.
+
+    Attributes:
+        servos: What is plugged in or pulsed.
+        outputs: Digital outputs by channel.
+    """
+
+    servos: dict[Annotated[int, Field(ge=0, lt=tables.CHANNELS)], KeptServo]
+    outputs: dict[Annotated[int, Field(ge=0, lt=tables.CHANNELS)], bool]
 
 
 class Ssc32Controller:
@@ -43,6 +59,7 @@ class Ssc32Controller:
 
     def __init__(self, servos: ServoBank, settings: Ssc32ControllerSettings | None = None) -> None:
         self._settings = Ssc32ControllerSettings() if settings is None else settings
+        self._plugged = frozenset(servos.servos)
         self._channels = tuple(
             servos.get(channel) or _bare_channel() for channel in range(tables.CHANNELS)
         )
@@ -124,6 +141,22 @@ class Ssc32Controller:
     def pulse_us(self, channel: int, now_s: float) -> float:
         """Return the commanded pulse width of a channel, 0 without pulses."""
         return self._channels[channel].pulse_us(now_s)
+
+    # From one process to the next
+
+    def kept(self, now_s: float) -> KeptController:
+        """Return what a controller that stays powered goes on with."""
+        return KeptController(
+            servos={n: servo.kept(now_s) for n, servo in enumerate(self._channels)
+                    if servo.is_pulsed or n in self._plugged},
+            outputs=dict(self._outputs),
+        )  # fmt: skip
+
+    def restore(self, kept: KeptController) -> None:
+        """Go on from what was kept, at time 0; it was powered all the time."""
+        for channel, servo in kept.servos.items():
+            self._channels[channel].restore(servo)
+        self._outputs = dict(kept.outputs)
 
     # What commands do
 

@@ -59,6 +59,23 @@ class ServoErrors:
         return position * (1.0 + self.gain) + self.offset + wave
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptServo:
+    """A servo at rest.
+
+    Attributes:
+        pulse_us: Pulse it is sent, None for none since power-up.
+        shaft_us: Where its shaft stands, as the pulse that holds it there.
+        limp_us: Where its shaft lies without pulses.
+        offset_us: What the controller adds to every pulse.
+    """
+
+    pulse_us: float | None
+    shaft_us: float
+    limp_us: float
+    offset_us: float
+
+
 class TwinServo:
     """One servo: the pulse commanded over time, and the shaft behind it.
 
@@ -150,6 +167,25 @@ class TwinServo:
         self._limp_us = self._line.pulse_us(position)
         if self._start_us is None or not self._has_supply:
             self._shaft_us = self._limp_us
+
+    def kept(self, now_s: float) -> KeptServo:
+        """Return what is left of it when its time begins anew: a move under way is over."""
+        self._follow(now_s)
+        is_driven = self._start_us is not None and self._has_supply
+        return KeptServo(
+            pulse_us=None if self._start_us is None else self._target_us,
+            shaft_us=self._target_us + self._offset_us if is_driven else self._shaft_us,
+            limp_us=self._limp_us,
+            offset_us=self._offset_us,
+        )
+
+    def restore(self, kept: KeptServo) -> None:
+        """Go on from what was kept, at time 0."""
+        self._start_us = kept.pulse_us
+        self._target_us = 0.0 if kept.pulse_us is None else kept.pulse_us
+        self._start_s = self._end_s = 0.0
+        self._shaft_us, self._limp_us = kept.shaft_us, kept.limp_us
+        self._offset_us = kept.offset_us
 
     def truth(self, now_s: float) -> float:
         """Return where the shaft really stands; only tests and the world may ask."""
