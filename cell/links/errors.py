@@ -1,21 +1,38 @@
 """What goes wrong with a link, each cause an error of its own.
 
 LinkError (in `cell.errors`)
-├── PortMissing      there is no such port now
-├── PortTaken        another program has it
-├── PortForbidden    this user may not open it
-├── SettingsRefused  the port does not take the parameters
-├── NotReached       nobody listens at the network address
-├── DeviceVanished   it was there, and is gone while the link is open
-└── WriteStuck       what is sent does not leave
+├── NotOpened            it cannot be opened
+│   ├── PortMissing      there is no such port now
+│   ├── PortTaken        another program has it
+│   ├── PortForbidden    this user may not open it
+│   ├── SettingsRefused  the port does not take the parameters
+│   └── NotReached       nobody listens at the network address
+├── DeviceVanished       it was there, and is gone while the link is open
+└── WriteStuck           what is sent does not leave
 """
 
 from __future__ import annotations
 
-from cell.errors import LinkError
+from cell.errors import CellError, LinkError
 
 
-class PortMissing(LinkError):
+class NotOpened(LinkError):
+    """A port or a connection cannot be opened.
+
+    Attributes:
+        is_lasting: Whether opening it again at once is in vain: it was never open, or has
+            been tried for long enough since it was lost.
+    """
+
+    is_lasting = True
+
+
+def is_lasting(error: CellError) -> bool:
+    """Return whether doing again at once what failed is in vain, because no port can be opened."""
+    return isinstance(error, NotOpened) and error.is_lasting
+
+
+class PortMissing(NotOpened):
     """There is no such port.
 
     Attributes:
@@ -34,7 +51,7 @@ class PortMissing(LinkError):
         )
 
 
-class PortTaken(LinkError):
+class PortTaken(NotOpened):
     """Another program has the port.
 
     Attributes:
@@ -50,7 +67,7 @@ class PortTaken(LinkError):
         )
 
 
-class PortForbidden(LinkError):
+class PortForbidden(NotOpened):
     """The user may not open the port.
 
     Attributes:
@@ -67,7 +84,7 @@ class PortForbidden(LinkError):
         )
 
 
-class SettingsRefused(LinkError):
+class SettingsRefused(NotOpened):
     """The port does not take the parameters of the profile.
 
     Attributes:
@@ -86,7 +103,7 @@ class SettingsRefused(LinkError):
         )
 
 
-class NotReached(LinkError):
+class NotReached(NotOpened):
     """Nobody answers at a network address.
 
     Attributes:

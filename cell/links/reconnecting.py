@@ -9,6 +9,7 @@ from collections.abc import Callable
 from cell.clock import Clock
 from cell.errors import LinkError
 from cell.links.base import Link
+from cell.links.errors import NotOpened
 from cell.stop import StopToken
 
 _log = logging.getLogger(__name__)
@@ -22,7 +23,8 @@ class ReconnectingLink:
     sending it twice does harm. The next operation opens the link anew: once at once, then
     after 0.1 s, 0.2 s, 0.4 s and so on, no more than `patience_s` in all for one loss. When
     that is used up, and before the link was ever open, an operation tries once and fails at
-    once, so that a cell without a device is not a slow cell. What lay in the old link is
+    once, so that a cell without a device is not a slow cell; the error then says that it lasts,
+    and drivers do not repeat what they asked. What lay in the old link is
     gone with it.
 
     Args:
@@ -115,8 +117,10 @@ class ReconnectingLink:
             try:
                 link = self._open_link()
                 break
-            except LinkError:
+            except LinkError as error:
                 wait_s = min(wait_s, self._left_s)
+                if isinstance(error, NotOpened):
+                    error.is_lasting = wait_s <= 0
                 if wait_s <= 0 or (self._token is not None and self._token.is_set):
                     raise
             self._clock.sleep(wait_s)

@@ -23,6 +23,7 @@ from cell.drivers.melfa_r3.repeating import may_be_repeated
 from cell.drivers.melfa_r3.settings import ArmSettings
 from cell.errors import CellError, DeviceError, DeviceRestarted, DeviceTimeout, LinkError
 from cell.links.base import Link
+from cell.links.errors import is_lasting
 
 LOST = (DeviceTimeout, GarbledMessage, LinkError)
 """What a request ends in whose reply did not arrive whole: nobody knows whether it was done."""
@@ -106,12 +107,12 @@ class Dialogue:
         try:
             return self.exchange(command, args, slot=slot)
         except LOST as error:
-            if not may_be_repeated(command, args):
+            if is_lasting(error) or not may_be_repeated(command, args):
                 raise
             return self._again(error, lambda: self.exchange(command, args, slot=slot))
 
     def _again(self, error: CellError, work: Callable[[], _T]) -> _T:
-        """Do again what has failed once, until it works or was tried often enough."""
+        """Do again what has failed once, until it works, was tried often enough, or is in vain."""
         pause_s = self._settings.link_pause_s
         for _ in range(self._settings.attempts - 1):
             self.on_repeat(self.device, told(error))
@@ -121,6 +122,8 @@ class Dialogue:
             try:
                 return work()
             except LOST as again:
+                if is_lasting(again):
+                    raise
                 error = self.garbled(again) if isinstance(again, GarbledMessage) else again
         raise error
 
@@ -194,6 +197,8 @@ class Dialogue:
         try:
             return self.exchange(command, is_urgent=True)
         except LOST as error:
+            if is_lasting(error):
+                raise
             return self._again(error, lambda: self.exchange(command, is_urgent=True))
 
     def garbled(self, error: GarbledMessage) -> GarbledMessage:

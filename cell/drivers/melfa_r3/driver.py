@@ -27,6 +27,7 @@ from cell.drivers.melfa_r3.tables import BUSY, Run, Stop
 from cell.errors import CellError, DeviceError, DeviceTimeout, MotionInterrupted
 from cell.geometry import JointPositions, Pose
 from cell.links.base import Link
+from cell.links.errors import is_lasting
 
 _log = logging.getLogger(__name__)
 
@@ -192,7 +193,8 @@ class MelfaArm:
         try:
             self._dialogue.ask_when_free(command)
         except LOST as error:
-            if stood is None or (isinstance(error, DeviceTimeout) and error.code == BUSY):
+            is_busy = isinstance(error, DeviceTimeout) and error.code == BUSY
+            if stood is None or is_busy or is_lasting(error):
                 raise
             is_waiting = self._still_waits(stood, target)
             self._dialogue.on_repeat(

@@ -37,6 +37,7 @@ from cell.drivers.schunk_smp.reply_codec import answered_command, decode_reply
 from cell.drivers.schunk_smp.tables import Code, Command, problem_of
 from cell.errors import DeviceError, DeviceTimeout, LinkError
 from cell.links.base import Link
+from cell.links.errors import is_lasting
 from cell.stop import StopToken
 
 _LOGGER = logging.getLogger(__name__)
@@ -264,7 +265,7 @@ def told(error: DeviceError | LinkError) -> str:
 
 def _may_repeat(error: DeviceError | LinkError, *, is_once: bool) -> bool:
     if isinstance(error, DeviceTimeout | LinkError):
-        return not is_once
+        return not (is_once or is_lasting(error))
     return error.code in _TRANSMISSION_FAULTS
 
 

@@ -44,6 +44,7 @@ from cell.drivers.schunk_smp.tables import (
 )
 from cell.errors import DeviceError, DeviceTimeout, LinkError, OutOfRange, Stopped
 from cell.links.base import Link
+from cell.links.errors import is_lasting
 from cell.stop import StopToken
 
 _LOGGER = logging.getLogger(__name__)
@@ -289,6 +290,8 @@ class SchunkGripper:
             self._conversation.forget_impulses()
             return self._module.ask(command)
         except (DeviceTimeout, LinkError) as error:
+            if is_lasting(error):
+                raise
             has_begun = self._has_begun(command, self._module.state())
             self._on_repeat(
                 self._settings.device,
@@ -356,10 +359,12 @@ class SchunkGripper:
         )
 
     def _next_impulse(self, timeout_s: float) -> Impulse | None:
-        """Return what the module says next; over a broken link that is nothing."""
+        """Return what the module says next; over a link that just broke that is nothing."""
         try:
             return self._conversation.next_impulse(timeout_s)
         except LinkError as error:
+            if is_lasting(error):
+                raise
             self._on_repeat(self._settings.device, str(error))
             self._clock.sleep(LINK_PAUSE_S)
             return None

@@ -35,6 +35,7 @@ from cell.drivers.sharp_aquos.tables import (
 )
 from cell.errors import DeviceError, DeviceTimeout, LinkError, OutOfRange
 from cell.links.base import Link
+from cell.links.errors import is_lasting
 
 _LOGGER = logging.getLogger(__name__)
 _SLICE_S = 0.1
@@ -303,6 +304,8 @@ class SharpDisplay:
             except DeviceTimeout as error:
                 self._on_repeat(settings.device, error.problem)
             except LinkError as error:
+                if is_lasting(error):
+                    raise
                 self._on_repeat(settings.device, str(error))
                 self._clock.sleep(_LINK_PAUSE_S * tried)
         return self._exchange_once(command, data, timeout_s)

@@ -126,13 +126,14 @@ def test_a_cell_on_the_ports_of_its_profile_works_in_real_time(
     assert not [t for t in threading.enumerate() if t.name.startswith("emulator-")]
 
 
-def test_a_cell_is_assembled_without_its_ports_and_each_device_tells_itself(
-    tmp_path: Path,
+def test_a_cell_is_assembled_without_its_ports_and_each_device_tells_itself_once(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
+    clock = SimulatedClock()
     cell = assemble_hardware(
         load_profile("mash"),
         PLAN,
-        clock=SimulatedClock(),
+        clock=clock,
         state_folder=tmp_path,
         screen=BareScreen(),
         cameras={},
@@ -144,6 +145,8 @@ def test_a_cell_is_assembled_without_its_ports_and_each_device_tells_itself(
     ):
         with pytest.raises(LinkError, match=f"{device}: no port COM"):
             use()
+    assert "asked again" not in caplog.text
+    assert clock.now_s() == 0.0
     cell.dispose()
 
 

@@ -7,6 +7,7 @@ import pytest
 from cell.clock import SimulatedClock
 from cell.errors import LinkError
 from cell.links.base import Link
+from cell.links.errors import PortMissing, is_lasting
 from cell.links.reconnecting import ReconnectingLink
 from cell.stop import StopToken
 
@@ -131,3 +132,36 @@ def test_a_closed_link_is_not_opened_again(socket: Socket) -> None:
     socket.link.close()
     with pytest.raises(LinkError, match="arm is closed"):
         socket.link.write(b"?")
+
+
+def _missing() -> Link:
+    raise PortMissing("arm", "COM9", ())
+
+
+def _why_not(link: ReconnectingLink) -> PortMissing:
+    with pytest.raises(PortMissing) as caught:
+        link.write(b"?")
+    return caught.value
+
+
+def test_a_port_that_never_was_is_told_as_lasting() -> None:
+    link = ReconnectingLink("arm", _missing, SimulatedClock())
+    assert is_lasting(_why_not(link))
+
+
+def test_a_lost_port_is_told_as_lasting_when_the_patience_is_used_up() -> None:
+    clock, token = SimulatedClock(), StopToken()
+    openings = iter([lambda: Line(0)])
+    link = ReconnectingLink("arm", lambda: next(openings, _missing)(), clock, token=token)
+    link.write(b"first")
+    line = link._link
+    assert isinstance(line, Line)
+    line.is_broken = True
+    with pytest.raises(LinkError, match="gone") as lost:
+        link.write(b"?")
+    assert not is_lasting(lost.value)
+    token.stop("somebody pressed it")
+    assert not is_lasting(_why_not(link))
+    token.clear()
+    assert is_lasting(_why_not(link))
+    assert clock.now_s() == pytest.approx(5.0)
