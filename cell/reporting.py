@@ -35,15 +35,23 @@ class FaultReporter:
         """Tell that the arm stands still until a check."""
         self._tell(ArmHeld(reason), f"held: {reason}")
 
-    def checked(self, *, is_clear: bool, detail: str) -> None:
-        """Tell what the check before going on has found."""
+    def checked(self, *, is_clear: bool, detail: str, is_routine: bool = False) -> None:
+        """Tell what the check before going on has found.
+
+        Args:
+            is_clear: Whether something may move.
+            detail: What was found.
+            is_routine: Whether nothing had happened: the cell was only opened.
+        """
         verdict = "clear" if is_clear else "not clear"
-        self._tell(ResumeChecked(is_clear, detail), f"resume check: {verdict}: {detail}")
+        level = logging.INFO if is_routine else logging.WARNING
+        line = f"resume check: {verdict}: {detail}"
+        self._tell(ResumeChecked(is_clear, detail), line, level)
 
     def skipped(self, device: str, what: str) -> None:
         """Tell what is left out, or left to people, because a device is disabled."""
         self._tell(DeviceSkipped(device, what), f"{device}: skipped: {what}")
 
-    def _tell(self, body: Body, line: str) -> None:
+    def _tell(self, body: Body, line: str, level: int = logging.WARNING) -> None:
         self._events.emit(body)
-        _log.warning("%s", line)
+        _log.log(level, "%s", line)

@@ -2,48 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 
+from cell.block_work import BlockWork
 from cell.clock import Clock
 from cell.devices.absent import AbsentDisplay, AbsentGripper, AbsentScreen
-from cell.devices.camera import MODES, Camera, CameraMode, Frame
+from cell.devices.camera import Camera, Frame
 from cell.devices.display import Display, Screen
 from cell.devices.gripper import Gripper
-from cell.errors import (
-    CellError,
-    DeviceError,
-    GripFailed,
-    LedgerError,
-    LinkError,
-    VisionError,
-)
-from cell.events import (
-    DeviceClosed,
-    DeviceFailed,
-    DeviceOpened,
-    EventBus,
-    FrameTaken,
-    LightsSwitched,
-    PictureShown,
-)
+from cell.events import EventBus
 from cell.geometry import JointPositions, LatticeMap, Pose
 from cell.hand_laying import LaidOutByPeople
 from cell.ledger import Ledger
 from cell.manipulation import Deployment, Manipulator, Progress, no_progress
 from cell.motion.guarded import GuardedArm
-from cell.picture_cleaning import PictureCleaning, bring_home, seeing_camera
+from cell.moving import move_over_table
+from cell.optics import CellOptics, camera_mode
+from cell.picture_cleaning import PictureCleaning
+from cell.power import CellPower
 from cell.profile import Profile
-from cell.recovery.faults import DeviceName
-from cell.recovery.opening import OpeningFailed, Step, bring_up
 from cell.recovery.resume import ResumeCheck
-from cell.recovery.watched_camera import CameraKeeper
 from cell.recovery.watched_display import DisplayKeeper
 from cell.recovery.watched_gripper import WatchedGripper
 from cell.reporting import FaultReporter
 from cell.stop import StopToken
 from cell.store import StorePlan, TablePlace
-from cell.vision import find_blocks
+
+__all__ = ["RobotCell", "camera_mode"]
 
 
 class RobotCell:
@@ -52,7 +37,9 @@ class RobotCell:
     Used by one thread at a time, except for `stop`, which anybody may set. After
     a fault the arm stands still and the ledger knows where the blocks are; nothing
     moves again before the resume check is clear, and `clean` then puts things right.
-    What the profile disables is left out, and the event bus is told so.
+    The first motion after every opening is checked likewise: nobody knows what happened
+    while no program watched. What the profile disables is left out, and the event bus is
+    told so.
     """
 
     def __init__(
@@ -79,8 +66,8 @@ class RobotCell:
         self.ledger = ledger
         self.arm = arm
         reporter = self._reporter = FaultReporter(events)
-        self._has_gripper = profile.arm.enabled and profile.gripper.enabled
-        if not self._has_gripper:
+        has_gripper = profile.arm.enabled and profile.gripper.enabled
+        if not has_gripper:
             gripper = AbsentGripper(profile.gripper.open_mm, on_skip=reporter.skipped)
         if not profile.display.enabled:
             display = AbsentDisplay(profile.display.input, on_skip=reporter.skipped)
@@ -95,11 +82,8 @@ class RobotCell:
         self.display = display
         self.screen = screen
         self.cameras = dict(cameras)
-        self._pictures = CameraKeeper(reporter)
-        can_manipulate = self._has_gripper and profile.manipulation.enabled
-        kind = Manipulator if can_manipulate else LaidOutByPeople
+        kind = Manipulator if has_gripper and profile.manipulation.enabled else LaidOutByPeople
         self.manipulator = kind(arm, self.gripper, ledger, plan, profile, events)
-        self._keeper = DisplayKeeper(display, profile.display.input, reporter)
         arm.pass_through(
             lambda opened: ResumeCheck(
                 profile,
@@ -116,9 +100,36 @@ class RobotCell:
             origin_x_mm=profile.lattice.origin_mm[0],
             origin_y_mm=profile.lattice.origin_mm[1],
         )
+        self._optics = CellOptics(
+            arm,
+            profile.outputs,
+            screen=screen,
+            keeper=DisplayKeeper(display, profile.display.input, reporter),
+            cameras=self.cameras,
+            reporter=reporter,
+            events=events,
+        )
+        self._power = CellPower(
+            profile,
+            arm=arm,
+            gripper=self.gripper,
+            display=display,
+            optics=self._optics,
+            may_hold_block=self.manipulator.may_hold_block,
+            events=events,
+            clock=clock,
+            stop=stop,
+        )
+        self._blocks = BlockWork(
+            profile,
+            arm=arm,
+            manipulator=self.manipulator,
+            ledger=ledger,
+            plan=plan,
+            eyes=self._optics,
+        )
         self._release = release
-        self._is_open = False
-        self._last_frames: dict[str, Frame] = {}
+        self._is_open = self._was_open = False
 
     # A session's beginning
 
@@ -141,8 +152,8 @@ class RobotCell:
         """Bring every device up: arm, gripper with its power, display, lights.
 
         What does not need each other comes up at the same time, where the clock allows it,
-        and all failures are told at once. After a fault this is also how somebody says that
-        it may go on: the resume check decides then.
+        and all failures are told at once. The first motion is put to the resume check. After
+        a fault this is also how somebody says that it may go on: the check decides then.
 
         Raises:
             DeviceError: A device does not come up; what was opened is closed again.
@@ -150,53 +161,23 @@ class RobotCell:
         self.arm.allow_resume()
         if self._is_open:
             return
-        identities: dict[str, str] = {}
-        try:
-            bring_up((self._arm_chain(identities), self._display_chain(identities)), self.clock)
-            for device in ("arm", "gripper", "display"):
-                self.events.emit(DeviceOpened(device, identities[device]))
-            self.switch_lights(is_on=True)
-        except CellError as error:
-            self._tell_failures(error)
-            self._switch_off()
-            raise
+        self._power.switch_on()
+        self._optics.is_display_up = True
+        self._check_before_moving()
         if not self.profile.manipulation.enabled:
             self._reporter.skipped("manipulation", "people lay out and clear the blocks")
         self._is_open = True
 
-    def _arm_chain(self, identities: dict[str, str]) -> list[Step]:
-        """Return how arm and gripper come up: the gripper has its power from the arm."""
-
-        def power_gripper() -> None:
-            if self._has_gripper:
-                self.set_output(self.profile.outputs.gripper_power, is_on=True)
-
-        return [
-            self._step("arm", self.arm.open, identities),
-            Step("arm", power_gripper),
-            self._step("gripper", self.gripper.open, identities),
-        ]
-
-    def _display_chain(self, identities: dict[str, str]) -> list[Step]:
-        return [
-            self._step("display", self.display.open, identities),
-            Step("display", self.display.switch_on),
-            Step("display", lambda: self.display.select_input(self.profile.display.input)),
-        ]
-
-    def _step(self, device: str, bring: Callable[[], str], identities: dict[str, str]) -> Step:
-        def run() -> None:
-            self.stop.check()
-            identities[device] = bring()
-
-        return Step(device, run)
-
-    def _tell_failures(self, error: CellError) -> None:
-        if isinstance(error, OpeningFailed):
-            for failure in error.failures:
-                self.events.emit(DeviceFailed(failure.device, str(failure.error)))
-        else:
-            self.events.emit(DeviceFailed("cell", str(error)))
+    def _check_before_moving(self) -> None:
+        """Have the first motion checked; say so if an earlier program left things unfinished."""
+        self.arm.check_before_moving("the cell was just opened")
+        was_open, self._was_open = self._was_open, True
+        if was_open or self.arm.is_held or self.manipulator.is_table_clean():
+            return
+        self._reporter.held(
+            "cell: the program before was not ended in order, blocks are out; the table is "
+            "cleaned before anything is laid out"
+        )
 
     def close(self) -> None:
         """Switch every device off; harmless when they are off.
@@ -204,58 +185,14 @@ class RobotCell:
         The arm stays where it is, and the gripper keeps what it holds.
         """
         if self._is_open:
-            self._is_open = False
-            self._switch_off()
+            self._is_open = self._optics.is_display_up = False
+            self._power.switch_off()
 
     def dispose(self) -> None:
         """Switch everything off and give back the ledger and the cell's lock."""
         self.close()
         self.ledger.close()
         self._release()
-
-    def _switch_off(self) -> None:
-        """Close all devices; one that fails does not keep the others on.
-
-        Fingers that may hold a block keep their power: without it they forget their zero.
-        """
-        outputs = self.profile.outputs
-        keeps_power = self._may_hold_block()
-        for device, close in (
-            ("display", self.display.switch_off),
-            ("display", self.display.close),
-            ("gripper", self.gripper.close),
-            ("lights", lambda: self.set_output(outputs.lights, is_on=False)),
-            (
-                "gripper",
-                lambda: self.set_output(outputs.gripper_power, is_on=keeps_power),
-            ),
-            ("arm", self.arm.close),
-            ("cameras", self.close_cameras),
-        ):
-            try:
-                close()
-            except CellError as error:
-                self.events.emit(DeviceFailed(device, str(error)))
-        self.events.emit(DeviceClosed("cell"))
-
-    def _may_hold_block(self) -> bool:
-        try:
-            return self.manipulator.may_hold_block()
-        except LedgerError:
-            # Nobody knows: power does no harm.
-            return True
-
-    @contextmanager
-    def _watched(self, device: DeviceName) -> Iterator[None]:
-        """Hold the arm when a device fails, or the ledger cannot be written."""
-        try:
-            yield
-        except LedgerError as error:
-            raise self.arm.fail("ledger", error) from error
-        except (DeviceError, LinkError) as error:
-            if self.arm.is_held:
-                raise
-            raise self.arm.fail(device, error) from error
 
     # Motion
 
@@ -269,15 +206,14 @@ class RobotCell:
             MotionRefused: The guard turned it down.
             DeviceError: The arm did not get there.
         """
-        target = Pose(x_mm, y_mm, z_mm, 180.0, 0.0, rotation_deg)
-        here = self.arm.pose()
-        if here == target:
-            return
-        if here.z_mm != z_mm or here.c_deg != rotation_deg:
-            service_mm = self.profile.heights.service_mm
-            self.arm.raise_to(service_mm)
-            self.arm.move_joint(target.at_height(max(z_mm, service_mm)))
-        self.arm.move_linear(target)
+        move_over_table(
+            self.arm,
+            self.profile.heights.service_mm,
+            x_mm=x_mm,
+            y_mm=y_mm,
+            z_mm=z_mm,
+            rotation_deg=rotation_deg,
+        )
 
     def move_to_lattice(
         self, x: int, y: int, height_mm: float = 200.0, rotation_deg: float = 180.0
@@ -301,117 +237,46 @@ class RobotCell:
     # Blocks
 
     def lay_out(self, deployments: Sequence[Deployment], progress: Progress = no_progress) -> None:
-        """Bring blocks from their slots to their places; whatever is out is cleaned first.
-
-        Raises:
-            GripFailed: A block is not in its slot.
-        """
-        with self._watched("ledger"):
-            if not self.manipulator.is_table_clean():
-                self.clean(progress)
-            self.manipulator.lay_out(deployments, progress)
+        """Bring blocks from their slots to their places; see `BlockWork.lay_out`."""
+        self._blocks.lay_out(deployments, progress)
 
     def clean(self, progress: Progress = no_progress) -> list[int]:
-        """Bring every block that is out back to its slot, and stand aside.
-
-        A block that fell from the fingers is looked for: first in its slot, where a person
-        may have put it, then with the camera over the table.
-
-        Returns:
-            The slot numbers of the blocks brought home.
-
-        Raises:
-            GripFailed: A block is not where the ledger has it, or a lost one is not found.
-        """
-        home: list[int] = []
-        with self._watched("ledger"):
-            if not self.manipulator.is_table_clean():
-                home = self.manipulator.clean(progress=progress)
-            if self.ledger.strays():
-                home += self._find_strays(progress)
-        self.arm.raise_to(self.profile.heights.service_mm)
-        self.arm.rest()
-        return home
-
-    def _find_strays(self, progress: Progress) -> list[int]:
-        home = self.manipulator.look_for_strays()
-        if self.ledger.strays():
-            picture = self.screen.shown()
-            try:
-                home += self.clean_from_picture(progress).home
-            except VisionError as error:
-                raise GripFailed(f"{self._lost()} ({error})") from error
-            finally:
-                self.show(picture)
-        if self.ledger.strays():
-            raise GripFailed(self._lost())
-        return home
-
-    def _lost(self) -> str:
-        blocks = ", ".join(self.plan.slot(number).block for number in self.ledger.strays())
-        return (
-            f"{blocks}: fell from the fingers and is not found; look around the table, put it "
-            "into its slot by hand, then run `cell clean`"
-        )
-
-    def deploy(self, slot: int, place: TablePlace) -> None:
-        """Bring one block from its slot to a place."""
-        with self._watched("ledger"):
-            self.manipulator.transfer(slot, None, place)
-
-    def grip_at(self, place: TablePlace) -> int:
-        """Grip the block at a place and lift it; return its slot number."""
-        with self._watched("ledger"):
-            return self.manipulator.pick_up(place)
-
-    def release_at(self, place: TablePlace) -> None:
-        """Put the gripped block down at a place."""
-        with self._watched("ledger"):
-            self.manipulator.put_down(place)
+        """Bring every block that is out home, and stand aside; see `BlockWork.clean`."""
+        return self._blocks.clean(progress)
 
     def clean_objects(self, slots: Sequence[int], progress: Progress = no_progress) -> list[int]:
         """Bring only the blocks of these slots home."""
-        with self._watched("ledger"):
-            return self.manipulator.clean(slots, progress)
+        return self._blocks.clean_objects(slots, progress)
 
     def clean_from_picture(self, progress: Progress = no_progress) -> PictureCleaning:
-        """Bring home every block that the top camera sees, wherever it was left.
+        """Bring home what the top camera sees; see `BlockWork.clean_from_picture`."""
+        return self._blocks.clean_from_picture(progress)
 
-        The arm stands aside first; the screen shows white, then black.
+    def deploy(self, slot: int, place: TablePlace) -> None:
+        """Bring one block from its slot to a place."""
+        self._blocks.deploy(slot, place)
 
-        Raises:
-            VisionError: No camera is mapped to the table, or screen or lights are off.
-            DeviceError: A device fails.
-        """
-        camera, plane_map = seeing_camera(self.profile)
-        self.arm.raise_to(self.profile.heights.service_mm)
-        self.arm.rest()
-        self.switch_lights(is_on=True)
-        self.show("white")
-        white = self.grab(camera).pixels
-        self.show("black")
-        black = self.grab(camera).pixels
-        seen = find_blocks(white, black)
-        cleaning = bring_home(seen, plane_map, self.manipulator, self.ledger, self.plan, progress)
-        self.arm.raise_to(self.profile.heights.service_mm)
-        self.arm.rest()
-        return cleaning
+    def grip_at(self, place: TablePlace) -> int:
+        """Grip the block at a place and lift it; return its slot number."""
+        return self._blocks.grip_at(place)
+
+    def release_at(self, place: TablePlace) -> None:
+        """Put the gripped block down at a place."""
+        self._blocks.release_at(place)
 
     def slot_of(self, kind: str, colour: str) -> tuple[int, ...]:
         """Return the numbers of the slots where blocks of a kind and colour belong."""
         return tuple(slot.number for slot in self.plan.slots_of(kind, colour))
 
-    # Light and picture
+    # Light, picture, cameras
 
     def set_output(self, bit: int, *, is_on: bool) -> None:
         """Switch one output of the arm controller."""
-        with self._watched("lights"):
-            self.arm.arm.set_output(bit, is_on=is_on)
+        self._optics.set_output(bit, is_on=is_on)
 
     def switch_lights(self, *, is_on: bool) -> None:
         """Switch the cell's lights."""
-        self.set_output(self.profile.outputs.lights, is_on=is_on)
-        self.events.emit(LightsSwitched(is_on))
+        self._optics.switch_lights(is_on=is_on)
 
     def switch_magnet(self, *, is_on: bool) -> None:
         """Switch the electromagnet (tool 2)."""
@@ -419,11 +284,7 @@ class RobotCell:
 
     def show(self, picture: str) -> None:
         """Show a picture on the screen under the playground, and see to it that it is seen."""
-        with self._watched("display"):
-            if self._is_open:
-                self._keeper.ensure_shown()
-            self.screen.show(picture)
-        self.events.emit(PictureShown(picture))
+        self._optics.show(picture)
 
     def grab(self, camera: str, width_px: int = 1280, height_px: int = 960) -> Frame:
         """Return a picture of a camera in the mode of that size.
@@ -431,38 +292,8 @@ class RobotCell:
         Raises:
             DeviceError: There is no such camera or mode, or no picture.
         """
-        device = self.cameras.get(camera)
-        if device is None:
-            known = ", ".join(sorted(self.cameras))
-            raise DeviceError(f"camera {camera}", f"is not in the profile; known are {known}")
-        mode = camera_mode(camera, width_px, height_px)
-        with self._watched("camera"):
-            frame = self._pictures.grab(device, mode)
-        if self._last_frames.get(camera) is not frame:
-            self._last_frames[camera] = frame
-            self.events.emit(
-                FrameTaken(camera, frame.number, frame.pixels.shape[1], frame.pixels.shape[0])
-            )
-        return frame
+        return self._optics.grab(camera, width_px, height_px)
 
     def close_cameras(self) -> None:
         """Stop all cameras."""
-        for camera in self.cameras.values():
-            camera.close()
-        self._pictures.forget()
-        self._last_frames.clear()
-
-
-def camera_mode(camera: str, width_px: int, height_px: int) -> CameraMode:
-    """Return the camera mode of a picture size.
-
-    Raises:
-        DeviceError: There is none of that size.
-    """
-    for mode in MODES:
-        if (mode.width_px, mode.height_px) == (width_px, height_px):
-            return mode
-    sizes = ", ".join(f"{m.width_px}x{m.height_px}" for m in MODES)
-    raise DeviceError(
-        f"camera {camera}", f"has no mode of {width_px}x{height_px} pixels; it has {sizes}"
-    )
+        self._optics.close_cameras()

@@ -1,8 +1,9 @@
 """The arm as the rest of the cell may use it: every motion passes the guard first.
 
-After any fault the arm is held: nothing moves it again before the resume check was clear.
-There is no way around that, because every motion of the arm starts in `_guarded`, and
-whatever else moves (the fingers) asks `ensure_clear` first.
+After any fault the arm is held: nothing moves it again before the resume check was clear,
+and so it is after the cell was opened, for nobody watched over it before. There is no way
+around that, because every motion of the arm starts in `_guarded`, and whatever else moves
+(the fingers) asks `ensure_clear` first.
 """
 
 from __future__ import annotations
@@ -79,8 +80,8 @@ class GuardedArm:
 
     @property
     def is_held(self) -> bool:
-        """Whether nothing may move before a check."""
-        return self._hold is not None
+        """Whether a fault has stopped the arm, so that nothing may move before a check."""
+        return self._hold is not None and self._hold.is_fault
 
     def pass_through(self, make_gate: Callable[[OpenableArm], ResumeGate]) -> None:
         """Have a gate decide from now on whether the arm may move again after a fault.
@@ -90,13 +91,22 @@ class GuardedArm:
         """
         self._gate = make_gate(self._arm)
 
+    def check_before_moving(self, reason: str) -> None:
+        """Have the gate checked before the first motion, though no fault is known.
+
+        Args:
+            reason: Why, for people. A fault that holds the arm already stays the reason.
+        """
+        if self._hold is None and self._moves:
+            self._hold = Hold(reason=reason, is_fault=False)
+
     def allow_resume(self) -> None:
         """Let the check decide even after a stop: a new task or a clean-up was asked for."""
         if self._hold is not None and self._hold.needs_restart:
             self._hold = replace(self._hold, needs_restart=False)
 
     def ensure_clear(self) -> None:
-        """Return if something may move; after a fault, check that first.
+        """Return if something may move; after a fault, or an opening, check that first.
 
         Raises:
             ResumeRefused: The check says no, or nobody has asked to go on after a stop.
@@ -113,7 +123,7 @@ class GuardedArm:
             raise ResumeRefused(f"nothing may move yet after a stop: {error}") from error
         self._joints = self._pose = None
         self._hold = None
-        self._reporter.checked(is_clear=True, detail=detail)
+        self._reporter.checked(is_clear=True, detail=detail, is_routine=not hold.is_fault)
 
     def _passed(self, hold: Hold) -> str:
         if hold.needs_restart:
@@ -149,9 +159,10 @@ class GuardedArm:
         words = str(error)
         reason = words if words.startswith(device) else f"{device}: {words}"
         stand = self._joints if move is None else None
-        is_final = deed is Deed.STOP or (self._hold is not None and self._hold.needs_restart)
-        if self._hold is not None:
-            move, stand = self._hold.move or move, self._hold.stand if move is None else None
+        before = self._hold if self.is_held else None
+        is_final = deed is Deed.STOP or (before is not None and before.needs_restart)
+        if before is not None:
+            move, stand = before.move or move, before.stand if move is None else None
         self._hold = Hold(reason=reason, move=move, stand=stand, needs_restart=is_final)
         self._joints = self._pose = None
         self._reporter.held(reason)
@@ -232,6 +243,7 @@ class GuardedArm:
 
     def raise_to(self, z_mm: float, *, holds_block: bool = False) -> None:
         """Lift the tool point straight up to a height, unless it is above."""
+        self.ensure_clear()
         here = self.pose()
         if here.z_mm < z_mm:
             self.move_linear(here.at_height(z_mm), holds_block=holds_block)
@@ -282,6 +294,7 @@ class GuardedArm:
 
     def rest(self) -> None:
         """Stand aside, out of every camera's way."""
+        self.ensure_clear()
         rest = JointPositions(self._profile.rest_deg)
         if self.joints() != rest:
             self.move_joints(rest)

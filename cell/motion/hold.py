@@ -1,4 +1,4 @@
-"""The arm stands still after a fault: what is known of it, and who lets it go on."""
+"""The arm stands still, after a fault or opening: what is known of it, who lets it go on."""
 
 from __future__ import annotations
 
@@ -18,12 +18,14 @@ class Hold:
         move: The motion that was under way, None if the arm stood.
         stand: Where the arm stood, if no motion was under way and that is known.
         needs_restart: Whether only a new task, or a clean-up asked for, may go on.
+        is_fault: Whether a fault stopped the arm; False when it was only just opened.
     """
 
     reason: str
     move: GuardedMove | None = None
     stand: JointPositions | None = None
     needs_restart: bool = False
+    is_fault: bool = True
 
 
 class ResumeGate(Protocol):

@@ -101,6 +101,14 @@ POLICY: tuple[Rule, ...] = (
         "display", Fault.POWER_LOSS, "any", Deed.HOLD,
         "ERROR 'display: ...", "held: display: ...",
     ),
+    Rule("screen", Fault.NO_PAGE, "any", Deed.HOLD, "ERROR 'screen: ...", "held: screen: ..."),
+    Rule("screen", Fault.HIDDEN, "any", Deed.HOLD, "ERROR 'screen: ...", "held: screen: ..."),
+    Rule("screen", Fault.WRONG_SIZE, "any", Deed.HOLD, "ERROR 'screen: ...", "held: screen: ..."),
+    Rule("screen", Fault.PAINTED_LATE, "once", Deed.RECOVER, "-", "screen: recovered: ..."),
+    Rule(
+        "screen", Fault.PAINTED_LATE, "lasting", Deed.HOLD,
+        "ERROR 'screen: ...", "held: screen: ...",
+    ),
     *_repeated("lights", Fault.LOST_REPLY, Fault.GARBAGE),
     Rule(
         "lights", Fault.SILENCE, "lasting", Deed.HOLD,

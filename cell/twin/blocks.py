@@ -51,6 +51,9 @@ class BlockField:
     ) -> None:
         self._blocks = {block.block: block for block in blocks}
         self._kinds = kinds
+        self._radii_mm = {
+            name: 0.5 * math.hypot(kind.length_mm, kind.width_mm) for name, kind in kinds.items()
+        }
         self._surface_mm = surface_mm
         self._highest_mm: float | None = None
         self.revision = 0
@@ -104,17 +107,20 @@ class BlockField:
             low_mm: Height of its lower end.
             spare: A block that hangs between the fingers and is not pushed.
         """
+        # The hand asks this all along its way, and nearly all blocks are far from it: they
+        # are passed over by the sizes of their kind, before anything is made of them.
         outline: Polygon | None = None
+        x_mm, y_mm, radius_mm = tool.x_mm, tool.y_mm, tool.radius_mm
         for name in list(self._blocks):
             block = self._blocks[name]
+            reach_mm = radius_mm + self._radii_mm[block.kind]
+            dx_mm = block.x_mm - x_mm
+            if abs(dx_mm) > reach_mm or math.hypot(dx_mm, block.y_mm - y_mm) > reach_mm:
+                continue
             if name == spare or low_mm >= self.top_mm(block) - 1.0:
                 continue
-            footprint = self.footprint(block)
-            distance_mm = math.hypot(block.x_mm - tool.x_mm, block.y_mm - tool.y_mm)
-            if distance_mm > tool.radius_mm + footprint.radius_mm:
-                continue
             outline = outline or tool.polygon()
-            shift = push_out(footprint.polygon(), outline)
+            shift = push_out(self.footprint(block).polygon(), outline)
             if shift is not None:
                 self._slide(name, shift)
                 self._spread(name, spare)

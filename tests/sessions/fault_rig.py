@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from cell.assembly import assemble_twin
 from cell.drivers.schunk_smp.tables import Command
-from cell.events import ArmHeld, Body, EventBus, ResumeChecked
+from cell.events import ArmHeld, Body, DeviceOpened, EventBus, ResumeChecked
 from cell.links.base import Direction
 from cell.profile import parse_profile, profile_text
 from cell.twin.behind import Behind
@@ -66,7 +66,7 @@ class BoundedClock(EventfulClock):
 
 
 class Witness(EventBus):
-    """An event bus that keeps, in one order, stops, checks and motions on the wires."""
+    """An event bus that keeps, in one order, openings, stops, checks and motions on the wires."""
 
     def __init__(self, clock: EventfulClock) -> None:
         super().__init__(clock)
@@ -77,7 +77,7 @@ class Witness(EventBus):
 
     def emit(self, body: Body) -> None:
         self.bodies.append(body)
-        if isinstance(body, ArmHeld):
+        if isinstance(body, ArmHeld) or (isinstance(body, DeviceOpened) and body.device == "arm"):
             self.is_held = True
         elif isinstance(body, ResumeChecked) and body.is_clear:
             self.is_held = False

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from cell.drivers.melfa_r3 import tables
 from cell.drivers.schunk_smp.tables import Code, Command
 from cell.drivers.sharp_aquos.tables import HDMI_FIRST
+from cell.twin.screen import PageFault, TwinScreen
 from cell.twin.wire_faults import WireFault
 from tests.sessions.fault_rig import FaultRig, starts_motion
 
@@ -184,6 +185,20 @@ def replug_camera(rig: FaultRig) -> None:
     rig.behind.cameras["top"].plug_in()
 
 
+def page(rig: FaultRig) -> TwinScreen:
+    screen = rig.cell.screen
+    assert isinstance(screen, TwinScreen)
+    return screen
+
+
+def disturb_page(fault: PageFault, pictures: int | None = None) -> Arm:
+    return lambda rig, generator, moment: page(rig).disturb(fault, pictures=pictures)
+
+
+def mend_page(rig: FaultRig) -> None:
+    page(rig).mend()
+
+
 def write_protect(rig: FaultRig, now_s: float) -> None:
     rig.cell.ledger._database.execute("PRAGMA query_only = ON")
 
@@ -194,6 +209,7 @@ def allow_writing(rig: FaultRig) -> None:
 
 LAID = ("lay-out", "step", "clean-up")
 FINGERS = ("lay-out", "clean-up")
+PICTURES = ("lay-out", "again")
 SCENARIOS: dict[Key, Scenario] = {
     **all_reply_faults("arm"),
     **all_reply_faults("gripper"),
@@ -326,6 +342,20 @@ SCENARIOS: dict[Key, Scenario] = {
         ("again",),
         at_once(lambda rig, s: rig.behind.television.unplug(s)),
         lambda rig: rig.behind.television.press_power(rig.now_s()),
+    ),
+    **{
+        ("screen", name, "any"): Scenario(PICTURES, disturb_page(fault), mend_page)
+        for name, fault in (
+            ("no page connected", PageFault.CLOSED),
+            ("page hidden", PageFault.HIDDEN),
+            ("page of a wrong size", PageFault.WRONG_SIZE),
+        )
+    },
+    ("screen", "painted late", "once"): Scenario(
+        PICTURES, disturb_page(PageFault.LATE, pictures=1), mend_page
+    ),
+    ("screen", "painted late", "lasting"): Scenario(
+        PICTURES, disturb_page(PageFault.LATE), mend_page
     ),
     ("lights", "lost reply", "once"): Scenario(("lay-out",), on_output(WireFault.LOST)),
     ("lights", "garbage", "once"): Scenario(("lay-out",), on_output(WireFault.GARBAGE)),

@@ -1,0 +1,169 @@
+"""Laying out and cleaning up: what the cell does with blocks, with everything it has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from cell.devices.camera import Frame
+from cell.errors import GripFailed, VisionError
+from cell.ledger import Ledger
+from cell.manipulation import Deployment, Manipulator, Progress, no_progress
+from cell.motion.guarded import GuardedArm
+from cell.picture_cleaning import PictureCleaning, bring_home, seeing_camera
+from cell.profile import Profile
+from cell.recovery.watch import FaultWatch
+from cell.store import StorePlan, TablePlace
+from cell.vision import find_blocks
+
+
+class Eyes(Protocol):
+    """What finding blocks by camera needs."""
+
+    def switch_lights(self, *, is_on: bool) -> None:
+        """Switch the lights."""
+
+    def shown(self) -> str:
+        """Return the name of the picture under the playground."""
+
+    def show(self, picture: str) -> None:
+        """Show a picture under the playground."""
+
+    def grab(self, camera: str) -> Frame:
+        """Return a picture of a camera."""
+
+
+class BlockWork:
+    """Moves blocks under watch: whatever fails holds the arm.
+
+    Args:
+        profile: The cell's profile.
+        arm: The arm.
+        manipulator: Brings single blocks from place to place.
+        ledger: Knows where the blocks are.
+        plan: The store.
+        eyes: Light, picture and cameras.
+    """
+
+    def __init__(
+        self,
+        profile: Profile,
+        *,
+        arm: GuardedArm,
+        manipulator: Manipulator,
+        ledger: Ledger,
+        plan: StorePlan,
+        eyes: Eyes,
+    ) -> None:
+        self._profile = profile
+        self._arm = arm
+        self._manipulator = manipulator
+        self._ledger = ledger
+        self._plan = plan
+        self._eyes = eyes
+        self._watch = FaultWatch(arm)
+
+    def lay_out(self, deployments: Sequence[Deployment], progress: Progress = no_progress) -> None:
+        """Bring blocks from their slots to their places; whatever is out is cleaned first.
+
+        Raises:
+            GripFailed: A block is not in its slot.
+        """
+        with self._watch.over("ledger"):
+            if not self._manipulator.is_table_clean():
+                self.clean(progress)
+            self._manipulator.lay_out(deployments, progress)
+
+    def clean(self, progress: Progress = no_progress) -> list[int]:
+        """Bring every block that is out back to its slot, and stand aside.
+
+        A block that fell from the fingers is looked for: first in its slot, where a person
+        may have put it, then with the camera over the table.
+
+        Returns:
+            The slot numbers of the blocks brought home.
+
+        Raises:
+            GripFailed: A block is not where the ledger has it, or a lost one is not found.
+        """
+        home: list[int] = []
+        with self._watch.over("ledger"):
+            if not self._manipulator.is_table_clean():
+                home = self._manipulator.clean(progress=progress)
+            if self._ledger.strays():
+                home += self._find_strays(progress)
+        self._stand_aside()
+        return home
+
+    def clean_objects(self, slots: Sequence[int], progress: Progress = no_progress) -> list[int]:
+        """Bring only the blocks of these slots home; return the slots of those brought."""
+        with self._watch.over("ledger"):
+            return self._manipulator.clean(slots, progress)
+
+    def clean_from_picture(self, progress: Progress = no_progress) -> PictureCleaning:
+        """Bring home every block that the top camera sees, wherever it was left.
+
+        The arm stands aside first; the screen shows white, then black.
+
+        Raises:
+            VisionError: No camera is mapped to the table, or screen or lights are off.
+            DeviceError: A device fails.
+        """
+        camera, plane_map = seeing_camera(self._profile)
+        self._stand_aside()
+        eyes = self._eyes
+        eyes.switch_lights(is_on=True)
+        eyes.show("white")
+        white = eyes.grab(camera).pixels
+        eyes.show("black")
+        black = eyes.grab(camera).pixels
+        cleaning = bring_home(
+            find_blocks(white, black),
+            plane_map,
+            self._manipulator,
+            self._ledger,
+            self._plan,
+            progress,
+        )
+        self._stand_aside()
+        return cleaning
+
+    def deploy(self, slot: int, place: TablePlace) -> None:
+        """Bring one block from its slot to a place."""
+        with self._watch.over("ledger"):
+            self._manipulator.transfer(slot, None, place)
+
+    def grip_at(self, place: TablePlace) -> int:
+        """Grip the block at a place and lift it; return its slot number."""
+        with self._watch.over("ledger"):
+            return self._manipulator.pick_up(place)
+
+    def release_at(self, place: TablePlace) -> None:
+        """Put the gripped block down at a place."""
+        with self._watch.over("ledger"):
+            self._manipulator.put_down(place)
+
+    def _stand_aside(self) -> None:
+        self._arm.raise_to(self._profile.heights.service_mm)
+        self._arm.rest()
+
+    def _find_strays(self, progress: Progress) -> list[int]:
+        home = self._manipulator.look_for_strays()
+        if self._ledger.strays():
+            picture = self._eyes.shown()
+            try:
+                home += self.clean_from_picture(progress).home
+            except VisionError as error:
+                raise GripFailed(f"{self._lost()} ({error})") from error
+            finally:
+                self._eyes.show(picture)
+        if self._ledger.strays():
+            raise GripFailed(self._lost())
+        return home
+
+    def _lost(self) -> str:
+        blocks = ", ".join(self._plan.slot(number).block for number in self._ledger.strays())
+        return (
+            f"{blocks}: fell from the fingers and is not found; look around the table, put it "
+            "into its slot by hand, then run `cell clean`"
+        )
