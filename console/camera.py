@@ -39,8 +39,14 @@ def list_cameras(*, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         rows = [
-            (name, str(entry.number), entry.model, entry.guid, found(hands.cell.cameras.get(name)))
-            for name, entry in hands.cell.profile.cameras.items()
+            (
+                name,
+                str(entry.number),
+                entry.model,
+                entry.guid,
+                found(hands.playground.cameras.get(name)),
+            )
+            for name, entry in hands.playground.profile.cameras.items()
         ]
         headings = ("name", "number", "model", "guid", "found")
         if options.as_json:
@@ -89,7 +95,7 @@ def grab(
             _open(camera, width_px, height_px)
         for which, value in wanted:
             camera.set_absolute(which, value)
-        frame = hands.cell.grab(name, width_px, height_px)
+        frame = hands.playground.grab(name, width_px, height_px)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(encode_png(frame.pixels))
         height, width = frame.pixels.shape[:2]
@@ -183,9 +189,9 @@ def auto(
 
 
 def _camera(hands: ByHand, name: str) -> Camera:
-    camera = hands.cell.cameras.get(name)
+    camera = hands.playground.cameras.get(name)
     if camera is None:
-        known = ", ".join(hands.cell.cameras) or "none"
+        known = ", ".join(hands.playground.cameras) or "none"
         raise ConsoleError(f"there is no camera {name!r}; there are {known}")
     return camera
 

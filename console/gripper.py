@@ -31,8 +31,9 @@ def open_gripper(*, options: HandOptions = DEFAULTS) -> int:
     def work(hands: ByHand) -> None:
         say("bringing the gripper up; the fingers may move ...")
         identity = hands.bring_up_gripper(leave_on=True)
-        hands.cell.switch_lights(is_on=True)
-        now = hands.cell.gripper.read_state()
+        if hands.has_playground:
+            hands.playground.switch_lights(is_on=True)
+        now = hands.gripper.read_state()
         told = {"identity": identity, **_facts(now)}
         tell(told, f"{identity}\n{as_lines(_facts(now))}", options)
 
@@ -48,12 +49,18 @@ def close_gripper(*, options: HandOptions = DEFAULTS) -> int:
     """
 
     def work(hands: ByHand) -> None:
-        hands.take_right()
-        bit = hands.cell.profile.outputs.gripper_power
-        if hands.cell.arm.arm.read_output(bit):
+        if not hands.has_playground:
             hands.bring_up_gripper(may_move=False)
-            hands.cell.gripper.close()
-            hands.cell.set_output(bit, is_on=False)
+            text = "the fingers stand still; nothing switches their power"
+            tell({"stopped": True}, text, options)
+            return
+        cell = hands.playground
+        hands.take_right()
+        bit = cell.profile.outputs.gripper_power
+        if cell.arm.arm.read_output(bit):
+            hands.bring_up_gripper(may_move=False)
+            cell.gripper.close()
+            cell.set_output(bit, is_on=False)
         tell({"power": False}, "the gripper's power is off", options)
 
     return by_hand(options, work)
@@ -71,8 +78,8 @@ def move(opening_mm: Figure, /, *, options: HandOptions = DEFAULTS) -> int:
     def work(hands: ByHand) -> None:
         hands.bring_up_gripper()
         say("moving ...")
-        hands.cell.gripper.move_to(opening_mm)
-        now = hands.cell.gripper.read_state()
+        hands.gripper.move_to(opening_mm)
+        now = hands.gripper.read_state()
         tell(_facts(now), f"open {now.position_mm:.2f} mm", options)
 
     return by_hand(options, work)
@@ -97,8 +104,12 @@ def grip(
         # What is gripped shall stay gripped when the command is over.
         hands.bring_up_gripper(leave_on=True)
         say("closing ...")
-        force = hands.cell.profile.gripper.grip_current_a if current is None else current
-        result = hands.cell.gripper.grip(force)
+        result = hands.gripper.grip(hands.grip_current_a() if current is None else current)
+        if not hands.has_playground:
+            blind: dict[str, object] = {"holding": None, "width_mm": None}
+            text = "the fingers closed; nothing measures whether they hold something: look"
+            tell(blind, text, options)
+            return Exit.DONE
         told: dict[str, object] = {"holding": result.is_holding, "width_mm": result.width_mm}
         holds = f"holds something {result.width_mm:.2f} mm wide"
         tell(told, holds if result.is_holding else "holds nothing", options)
@@ -127,7 +138,7 @@ def wait(
 
     def work(hands: ByHand) -> None:
         hands.bring_up_gripper(may_move=False)
-        gripper = hands.cell.gripper
+        gripper = hands.gripper
         if opening_mm is None:
             gripper.wait_for_stop(timeout)
         else:
@@ -148,7 +159,7 @@ def stop(*, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         hands.bring_up_gripper(may_move=False)
-        hands.cell.gripper.stop()
+        hands.gripper.stop()
         tell({"stopped": True}, "the fingers stand still", options)
 
     return by_hand(options, work)
@@ -164,7 +175,7 @@ def state(*, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         hands.bring_up_gripper(may_move=False)
-        now = hands.cell.gripper.read_state()
+        now = hands.gripper.read_state()
         tell(_facts(now), as_lines(_facts(now)), options)
 
     return by_hand(options, work)
@@ -180,8 +191,8 @@ def ack(*, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         hands.bring_up_gripper(may_move=False)
-        hands.cell.gripper.acknowledge()
-        now = hands.cell.gripper.read_state()
+        hands.gripper.acknowledge()
+        now = hands.gripper.read_state()
         tell(_facts(now), "no error" if not now.has_error else now.error_text, options)
 
     return by_hand(options, work)
@@ -204,7 +215,7 @@ def list_grippers(
 
     def work(hands: ByHand) -> int:
         say(f"asking the numbers 1 to {upto} ...")
-        found = hands.modules(range(1, upto + 1), lambda: gripper_line(hands.cell))
+        found = hands.modules(range(1, upto + 1), lambda: gripper_line(hands.playground))
         rows: list[dict[str, object]] = [
             {"number": m.module_id, "kind": m.kind, "firmware": m.firmware} for m in found
         ]

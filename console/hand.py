@@ -20,11 +20,11 @@ from console.places import cell_folder
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from cell.by_hand import ByHand
+    from cell.by_hand import ByHand, HandCell
     from cell.clock import Clock
     from cell.errors import CellError
     from cell.links.base import Direction, Link, Tap
-    from cell.profile import Profile
+    from cell.profile import CellProfile, Profile
     from cell.robot_cell import RobotCell
     from cell.store import StorePlan
 
@@ -73,7 +73,7 @@ def by_hand(options: HandOptions, work: Callable[[ByHand], int | None]) -> int:
     from cell.by_hand import ByHand
     from cell.errors import CellError, Stopped
 
-    cell = _assemble(options)
+    cell = assemble_by_hand(options)
     hands = ByHand(cell)
     with _stopping(cell) as asked:
         try:
@@ -128,7 +128,7 @@ def _stopped(hands: ByHand, asked: list[str]) -> int:
     return Exit.INTERRUPTED
 
 
-def _put_back(hands: ByHand, cell: RobotCell, options: HandOptions) -> None:
+def _put_back(hands: ByHand, cell: HandCell, options: HandOptions) -> None:
     from cell.twin.keeping import WorldFile
     from cell.twin_cell import TwinCell
 
@@ -143,7 +143,7 @@ def _put_back(hands: ByHand, cell: RobotCell, options: HandOptions) -> None:
 
 
 @contextmanager
-def _stopping(cell: RobotCell) -> Iterator[list[str]]:
+def _stopping(cell: HandCell) -> Iterator[list[str]]:
     """Turn the first Ctrl-C into a safe stop: what drives the arm sees it as a fault.
 
     A fault in the middle of a motion makes the guarded arm send STOP before it is told to
@@ -168,14 +168,46 @@ def _stopping(cell: RobotCell) -> Iterator[list[str]]:
             signal.signal(number, handler)
 
 
-def _assemble(options: HandOptions) -> RobotCell:
+def assemble_by_hand(options: HandOptions) -> HandCell:
+    """Return the cell of a command by hand, closed.
+
+    Raises:
+        ProfileError: There is no such profile, or it is wrong.
+        StillHeld: Another process has the cell.
+        CellError: What is kept of the cell cannot be used.
+    """
+    from cell.profile import Profile, load_cell_profile
+
+    profile = load_cell_profile(options.profile)
+    if isinstance(profile, Profile):
+        return _with_playground(profile, options)
+    return _without_playground(profile, options)
+
+
+def _without_playground(profile: CellProfile, options: HandOptions) -> HandCell:
+    from cell.assembly.arms import hardware_arm, twin_arm
+    from cell.clock import SimulatedClock, SystemClock
+
+    folder = cell_folder(profile.name)
+    tap = _show_wire if options.show_wire else None
+    if options.wires == "hardware":
+        return hardware_arm(
+            profile, clock=SystemClock(), on_warning=_warn, tap=tap, state_folder=folder
+        )
+    clock: Clock = SystemClock() if options.real_time else SimulatedClock()
+    return twin_arm(profile, clock=clock, tap=tap, wires=options.wires, state_folder=folder)
+
+
+def _warn(text: str) -> None:
+    say(text, "yellow")
+
+
+def _with_playground(profile: Profile, options: HandOptions) -> RobotCell:
     from cell.assembly import assemble_twin
     from cell.clock import SimulatedClock, SystemClock
-    from cell.profile import load_profile
     from console.scripts import load_script
     from sessions.hosting import store_plan
 
-    profile = load_profile(options.profile)
     plan = store_plan(load_script(options.script))
     folder = cell_folder(profile.name)
     tap = _show_wire if options.show_wire else None

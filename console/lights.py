@@ -25,8 +25,8 @@ def lights(
             hands.reach_controller()
         else:
             hands.take_right()
-            hands.cell.switch_lights(is_on=switch == "on")
-        is_on = hands.cell.arm.arm.read_output(hands.cell.profile.outputs.lights)
+            hands.playground.switch_lights(is_on=switch == "on")
+        is_on = hands.playground.arm.arm.read_output(hands.playground.profile.outputs.lights)
         tell({"on": is_on}, f"the lights are {'on' if is_on else 'off'}", options)
 
     return by_hand(options, work)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -28,23 +29,37 @@ Rotation = Annotated[Figure, Parameter(help="Turn of the gripper about the verti
 def open_arm(
     *,
     keep: Annotated[bool, Parameter(negative="", help="Leave the servos on.")] = False,
+    first_pose: Annotated[
+        bool,
+        Parameter(
+            negative="", help="The arm stands in its rest pose, put there by hand; stand clear."
+        ),
+    ] = False,
     options: HandOptions = DEFAULTS,
 ) -> int:
     """Bring the arm up: alarms cleared, servos on; tell who it is and where it stands.
 
+    An arm that was just powered may have to move for that: it finds its home, or jumps to its
+    first pose. What it does is told before.
+
     Args:
         keep: Whether the servos stay on when the command ends.
+        first_pose: Whether an arm of servos was put into its rest pose by hand.
         options: Options of every command by hand.
     """
 
     def work(hands: ByHand) -> None:
         say("bringing the arm up ...")
-        identity = hands.bring_up_arm(leave_on=keep)
-        pose = hands.cell.read_pose()
+        identity = bring_up(hands, leave_on=keep, is_confirmed=first_pose)
+        pose = hands.pose()
+        stays = keep and hands.reaching.keeps_servos
         if options.as_json:
-            put_json({"identity": identity, "pose": _pose_json(pose), "servos_stay_on": keep})
+            put_json({"identity": identity, "pose": _pose_json(pose), "servos_stay_on": stays})
+            return
+        put(f"{identity}\nat {pose}")
+        if not hands.reaching.keeps_servos:
+            say(hands.reaching.closed_words)
         else:
-            put(f"{identity}\nat {pose}")
             say("the servos stay on" if keep else "the servos go off again (--keep leaves them on)")
 
     return by_hand(options, work)
@@ -52,15 +67,15 @@ def open_arm(
 
 @app.command(name="close")
 def close_arm(*, options: HandOptions = DEFAULTS) -> int:
-    """Stop the arm, switch its servos off, and give control back.
+    """Stop the arm, switch its servos off where they can be, and give control back.
 
     Args:
         options: Options of every command by hand.
     """
 
     def work(hands: ByHand) -> None:
-        hands.bring_up_arm()
-        tell({"closed": True}, "the servos are off", options)
+        hands.let_go()
+        tell({"closed": True}, hands.reaching.closed_words, options)
 
     return by_hand(options, work)
 
@@ -74,8 +89,7 @@ def pose(*, options: HandOptions = DEFAULTS) -> int:
     """
 
     def work(hands: ByHand) -> None:
-        hands.reach_controller()
-        here = hands.cell.read_pose()
+        here = hands.pose()
         tell(_pose_json(here), str(here), options)
 
     return by_hand(options, work)
@@ -97,10 +111,9 @@ def joints(
     def work(hands: ByHand) -> None:
         if values:
             _require_joints(len(values), hands)
-            _motion(hands, options, lambda: hands.cell.move_joints(JointPositions(values)))
+            _motion(hands, options, lambda: hands.cell.arm.move_joints(JointPositions(values)))
             return
-        hands.reach_controller()
-        here = hands.cell.arm.arm.read_joints()
+        here = hands.joints()
         tell(_joints_json(here), _joints_text(here), options)
 
     return by_hand(options, work)
@@ -110,28 +123,27 @@ def joints(
 def move(
     x_mm: Figure,
     y_mm: Figure,
-    z_mm: Figure = 200.0,
+    z_mm: Figure | None = None,
     /,
     *,
-    rotation: Rotation = 180.0,
+    rotation: Rotation | None = None,
     options: HandOptions = DEFAULTS,
 ) -> int:
     """Move the tool point, gripper down, to a place in the robot frame.
 
-    In a straight line at the same height; otherwise up to the service height, over, and down.
+    Over a playground in a straight line at the same height; otherwise up to the service height,
+    over, and down. Elsewhere in a straight line, or with all joints at once where it is not free.
 
     Args:
         x_mm: Robot x.
         y_mm: Robot y.
-        z_mm: Height above the robot's base plane.
-        rotation: Turn of the gripper about the vertical, deg.
+        z_mm: Height above the robot's base plane; 200, without a playground as it stands.
+        rotation: Turn of the gripper about the vertical, deg; 180, without a playground as it is.
         options: Options of every command by hand.
     """
     return by_hand(
         options,
-        lambda hands: _motion(
-            hands, options, lambda: hands.cell.move_to(x_mm, y_mm, z_mm, rotation)
-        ),
+        lambda hands: _motion(hands, options, lambda: hands.move_to(x_mm, y_mm, z_mm, rotation)),
     )
 
 
@@ -154,12 +166,12 @@ def lattice(
         rotation: Turn of the gripper about the vertical, deg.
         options: Options of every command by hand.
     """
-    return by_hand(
-        options,
-        lambda hands: _motion(
-            hands, options, lambda: hands.cell.move_to_lattice(x, y, height, rotation)
-        ),
-    )
+
+    def work(hands: ByHand) -> None:
+        cell = hands.playground
+        _motion(hands, options, lambda: cell.move_to_lattice(x, y, height, rotation))
+
+    return by_hand(options, work)
 
 
 @app.command
@@ -207,8 +219,9 @@ def speed(
         line, share = kept_speed(hands.cell.profile)
         if speed_mm_s is not None:
             line, share = speed_mm_s, joint_percent if joint_percent is not None else share
-            hands.bring_up_arm()
-            hands.cell.set_speed(line, share)
+            if hands.has_playground:
+                hands.bring_up_arm()
+            hands.cell.arm.set_speed(line, share)
             keep_speed(hands.cell.profile, line, share)
         tell(
             {"speed_mm_s": line, "joint_percent": share},
@@ -236,12 +249,7 @@ def home(*, options: HandOptions = DEFAULTS) -> int:
     Args:
         options: Options of every command by hand.
     """
-
-    def go(hands: ByHand) -> None:
-        hands.cell.arm.raise_to(hands.cell.profile.heights.service_mm)
-        hands.cell.arm.rest()
-
-    return by_hand(options, lambda hands: _motion(hands, options, lambda: go(hands)))
+    return by_hand(options, lambda hands: _motion(hands, options, hands.home))
 
 
 @app.command
@@ -323,17 +331,46 @@ def magnet(switch: Literal["on", "off"], /, *, options: HandOptions = DEFAULTS) 
     """
 
     def work(hands: ByHand) -> None:
+        cell = hands.playground
         hands.take_right()
-        hands.cell.switch_magnet(is_on=switch == "on")
+        cell.switch_magnet(is_on=switch == "on")
         tell({"magnet": switch}, f"the magnet is {switch}", options)
 
     return by_hand(options, work)
 
 
+def bring_up(hands: ByHand, *, leave_on: bool = False, is_confirmed: bool = False) -> str:
+    """Bring the arm up; tell first what moves, and have it confirmed where the profile says so.
+
+    Raises:
+        ConsoleError: Nobody confirms that the arm was put into its rest pose.
+    """
+    moves = hands.opening_moves()
+    if moves:
+        say(moves, "yellow")
+        if is_confirmed or (hands.needs_confirmation and _confirms()):
+            hands.confirm_first_pose()
+        elif hands.needs_confirmation:
+            raise ConsoleError(
+                "the first pose is not confirmed, and nothing moved: put the arm into its rest "
+                "pose by hand, stand clear, then `cell robot open --first-pose`"
+            )
+    return hands.bring_up_arm(leave_on=leave_on)
+
+
+def _confirms() -> bool:
+    """Ask somebody at a terminal whether the arm may jump to its rest pose."""
+    if not sys.stdin.isatty():
+        return False
+    say("Put the arm into its rest pose by hand, stand clear, keep a hand at the servo supply.")
+    say("Is it there, and may it move? [y/N]")
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
 def _motion(hands: ByHand, options: HandOptions, go: Callable[[], None]) -> None:
     """Bring the arm up, let it go, and tell where it stands then."""
-    hands.bring_up_arm()
-    hands.cell.set_speed(*kept_speed(hands.cell.profile))
+    bring_up(hands)
+    hands.cell.arm.set_speed(*kept_speed(hands.cell.profile))
     say("moving ...")
     go()
     arm = hands.cell.arm
@@ -359,7 +396,7 @@ def _jog_joint(hands: ByHand, number: int, step: float) -> None:
     here = hands.cell.arm.joints().values
     if not 1 <= number <= len(here):
         raise ConsoleError(f"j{number}: the arm has j1 to j{len(here)}")
-    hands.cell.move_joints(
+    hands.cell.arm.move_joints(
         JointPositions(tuple(v + step * (i == number) for i, v in enumerate(here, 1)))
     )
 

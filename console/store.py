@@ -33,7 +33,7 @@ def where(
     """
 
     def work(hands: ByHand) -> None:
-        cell = hands.cell
+        cell = hands.playground
         slots = [
             s for s in cell.plan.slots
             if kind in (None, s.kind) and colour in (None, s.colour)
@@ -82,7 +82,7 @@ def grip(
 
     def work(hands: ByHand) -> None:
         _bring_up(hands)
-        slot = hands.cell.grip_at(_place(x_mm, y_mm, yaw))
+        slot = hands.playground.grip_at(_place(x_mm, y_mm, yaw))
         tell({"slot": slot}, f"holds the block of slot {slot}", options)
 
     return by_hand(options, work)
@@ -103,7 +103,7 @@ def release(
 
     def work(hands: ByHand) -> None:
         _bring_up(hands)
-        hands.cell.release_at(_place(x_mm, y_mm, yaw))
+        hands.playground.release_at(_place(x_mm, y_mm, yaw))
         tell({"released_mm": [x_mm, y_mm]}, f"put down at ({x_mm:g}, {y_mm:g}) mm", options)
 
     return by_hand(options, work)
@@ -124,9 +124,9 @@ def deploy(
     """
 
     def work(hands: ByHand) -> None:
-        hands.cell.plan.slot(slot)
+        hands.playground.plan.slot(slot)
         _bring_up(hands)
-        hands.cell.deploy(slot, _place(x_mm, y_mm, yaw))
+        hands.playground.deploy(slot, _place(x_mm, y_mm, yaw))
         tell({"slot": slot, "at_mm": [x_mm, y_mm]}, f"slot {slot} is laid out", options)
 
     return by_hand(options, work)
@@ -153,18 +153,18 @@ def clean(
     def work(hands: ByHand) -> int:
         left: list[str] = []
         for slot in slots:
-            hands.cell.plan.slot(slot)
+            hands.playground.plan.slot(slot)
         _bring_up(hands)
         if picture:
             hands.reach_display()
-            hands.cell.display.switch_on()
-            hands.cell.display.select_input(hands.cell.profile.display.input)
-            cleaning = hands.cell.clean_from_picture(_progress)
+            hands.playground.display.switch_on()
+            hands.playground.display.select_input(hands.playground.profile.display.input)
+            cleaning = hands.playground.clean_from_picture(_progress)
             put_back, left = list(cleaning.home), list(cleaning.left)
         elif slots:
-            put_back = hands.cell.clean_objects(slots, _progress)
+            put_back = hands.playground.clean_objects(slots, _progress)
         else:
-            put_back = hands.cell.clean(_progress)
+            put_back = hands.playground.clean(_progress)
         text = ", ".join(f"slot {slot}" for slot in put_back)
         lines = [f"brought home: {text}" if text else "nothing was brought home", *left]
         tell({"brought_home": put_back, "left": left}, "\n".join(lines), options)
@@ -177,7 +177,7 @@ def _bring_up(hands: ByHand) -> None:
     """Bring up what moves blocks; the gripper keeps its power, so that it keeps its block."""
     say("bringing arm and gripper up ...")
     hands.bring_up_arm()
-    hands.cell.set_speed(*kept_speed(hands.cell.profile))
+    hands.playground.set_speed(*kept_speed(hands.playground.profile))
     hands.bring_up_gripper(leave_on=True)
     say("moving ...")
 

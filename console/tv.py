@@ -28,9 +28,9 @@ def on(*, options: HandOptions = DEFAULTS) -> int:
     def work(hands: ByHand) -> None:
         hands.reach_display()
         say("switching on; it takes some seconds ...")
-        hands.cell.display.switch_on()
-        number = hands.cell.profile.display.input
-        hands.cell.display.select_input(number)
+        hands.playground.display.switch_on()
+        number = hands.playground.profile.display.input
+        hands.playground.display.select_input(number)
         tell({"on": True, "input": number}, f"the television is on, input {number}", options)
 
     return by_hand(options, work)
@@ -46,7 +46,7 @@ def off(*, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         hands.reach_display()
-        hands.cell.display.switch_off()
+        hands.playground.display.switch_off()
         tell({"on": False}, "the television is in standby", options)
 
     return by_hand(options, work)
@@ -63,7 +63,7 @@ def select_input(number: Whole, /, *, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         _switch_on(hands)
-        hands.cell.display.select_input(number)
+        hands.playground.display.select_input(number)
         tell({"input": number}, f"input {number}", options)
 
     return by_hand(options, work)
@@ -80,7 +80,7 @@ def volume(level: Whole, /, *, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         _switch_on(hands)
-        hands.cell.display.set_volume(level)
+        hands.playground.display.set_volume(level)
         tell({"volume": level}, f"volume {level}", options)
 
     return by_hand(options, work)
@@ -101,8 +101,8 @@ def picture(name: str, /, *, options: HandOptions = DEFAULTS) -> int:
 
     def work(hands: ByHand) -> None:
         _switch_on(hands)
-        hands.cell.display.select_input(hands.cell.profile.display.input)
-        hands.cell.show(name)
+        hands.playground.display.select_input(hands.playground.profile.display.input)
+        hands.playground.show(name)
         tell({"picture": name}, f"the screen shows {name}", options)
 
     return by_hand(options, work)
@@ -120,11 +120,11 @@ def state(*, options: HandOptions = DEFAULTS) -> int:
         from cell.drivers.sharp_aquos.driver import SharpDisplay
 
         identity = hands.reach_display()
-        display = hands.cell.display
+        display = hands.playground.display
         told: dict[str, object] = {"identity": identity, "on": display.is_on()}
         if told["on"] and isinstance(display, SharpDisplay):
             told |= {"input": display.selected_input(), "volume": display.volume()}
-        told["picture"] = hands.cell.screen.shown()
+        told["picture"] = hands.playground.screen.shown()
         tell(told, as_lines(told), options)
 
     return by_hand(options, work)
@@ -132,6 +132,6 @@ def state(*, options: HandOptions = DEFAULTS) -> int:
 
 def _switch_on(hands: ByHand) -> None:
     hands.reach_display()
-    if not hands.cell.display.is_on():
+    if not hands.playground.display.is_on():
         say("switching on; it takes some seconds ...")
-        hands.cell.display.switch_on()
+        hands.playground.display.switch_on()

@@ -124,7 +124,6 @@ def twin_arm(
     stop: StopToken | None = None,
     wires: TwinWires = "memory",
     state_folder: Path | None = None,
-    on_warning: Callable[[str], None] | None = None,
 ) -> TwinArmStation:
     """Put the arm of a cell together on its emulator.
 
@@ -138,8 +137,6 @@ def twin_arm(
         wires: In memory, or behind a pseudo-terminal that pyserial opens.
         state_folder: Where the arm is kept from one process to the next, powered all the
             time; None keeps it in memory, freshly powered.
-        on_warning: Told what a driver has to say although nothing failed, such as that a
-            first pose will jump.
 
     Raises:
         ProfileError: The profile has another arm.
@@ -148,7 +145,7 @@ def twin_arm(
     """
     site = _Site(
         profile=profile, clock=clock, events=events or EventBus(clock), stop=stop or StopToken(),
-        tap=tap, on_warning=on_warning or _unheard,
+        tap=tap, on_warning=_unheard,
     )  # fmt: skip
     emulator = _emulator(profile, seed)
     release, kept = _keep(emulator, state_folder, clock)

@@ -151,6 +151,11 @@ class Ssc32Arm:
         self._joints.were_lost = False
         return identity
 
+    @property
+    def wants_confirmation(self) -> bool:
+        """Whether a first pose is refused until `confirm_first_pose`."""
+        return self._settings.first_pose == "confirmed"
+
     def first_pose_needed(self) -> str:
         """Return what the next `open` will move, as a sentence; empty if it moves nothing.
 
