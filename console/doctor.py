@@ -16,7 +16,7 @@ from console.output import put, put_json, say, styled
 from console.places import cell_folder, recordings_folder
 
 if TYPE_CHECKING:
-    from cell.doctor import Environment, Finding, Patient, Report
+    from cell.doctor import Environment, Finding, PageState, Patient, Report
     from cell.doctor.learned import LearnedPicture
     from cell.profile import Profile
     from cell.robot_cell import RobotCell
@@ -160,7 +160,25 @@ def environment_of(profile: Profile, script: str, wires: Wires) -> Environment:
     return SystemEnvironment(
         state_folder=folder,
         recordings_folder=recordings_folder(),
+        page_state=partial(_page_state, profile) if wires == "hardware" else None,
         world_check=None if wires == "hardware" else partial(_why_no_world, profile, script),
+    )
+
+
+def _page_state(profile: Profile) -> PageState:
+    """Ask the program that serves the television's page; of several pages, one that is wrong."""
+    from cell.doctor import PageState
+    from cell.drivers.kiosk import ask_screen
+
+    told = ask_screen(profile.display.page_port)
+    if told is None:
+        return PageState(is_connected=False, is_served=False)
+    if not told.pages:
+        return PageState(is_connected=False)
+    page = next((page for page in told.pages if page.covers_px != told.size), told.pages[0])
+    width_px, height_px = page.covers_px or (0, 0)
+    return PageState(
+        is_connected=True, width_px=width_px, height_px=height_px, trouble=page.trouble
     )
 
 

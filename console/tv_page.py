@@ -27,7 +27,7 @@ def tv_page(
         str | None,
         Parameter(help="Picture to show: black, white, mash, water, forest; the last one else."),
     ] = None,
-    port: Annotated[int, Parameter(validator=validators.Number(gte=0, lte=65535))] = 8320,
+    port: Annotated[int | None, Parameter(validator=validators.Number(gte=0, lte=65535))] = None,
     profile: ProfileName = "mash",
 ) -> int:
     """Serve the page that the television shows, and tell what is on it.
@@ -39,7 +39,7 @@ def tv_page(
 
     Args:
         picture: Name of the picture.
-        port: Port of the page, 0 for a free one.
+        port: Port of the page, 0 for a free one; the profile's unless given.
         profile: Profile of the cell, for the size of its television.
     """
     from cell.drivers.kiosk import KioskScreen, KioskSettings
@@ -50,7 +50,7 @@ def tv_page(
         known = ", ".join(PICTURE_NAMES)
         raise ConsoleError(f"there is no picture {picture!r}; there are {known}")
     used = load_profile(profile)
-    folder = cell_folder(used.name) / "screen"
+    folder = cell_folder(used.name)
     settings = KioskSettings.from_profile(used.display, port=port, state_folder=folder)
     with _stopping() as received, KioskScreen(settings) as screen:
         put(screen.url)

@@ -23,11 +23,21 @@ class PortState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PageState:
-    """The page that shows pictures on the television, as it tells of itself."""
+    """The page that shows pictures on the television, as it tells of itself.
+
+    Attributes:
+        is_connected: Whether a browser has it open.
+        width_px: Width of what the page covers.
+        height_px: Height of what the page covers.
+        trouble: Why it does not show what it should; empty when it does.
+        is_served: Whether a program serves it now.
+    """
 
     is_connected: bool
     width_px: int = 0
     height_px: int = 0
+    trouble: str = ""
+    is_served: bool = True
 
 
 class Environment(Protocol):

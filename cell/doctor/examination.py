@@ -111,6 +111,7 @@ class _Examination:
         self._computer(profile)
         if notes.has("cell-in-use"):
             notes.skip("cell", "all devices", "another program works with them")
+            self._page(profile)
             return notes.report()
         try:
             with meet() as patient:
@@ -150,8 +151,7 @@ class _Examination:
         if self._wants("display"):
             self._progress("television")
             self._device(patient, "display", lambda: check_display(patient, environment, notes))
-        if self._wants("screen"):
-            self._guard("screen", "page", lambda: check_page(patient, environment, notes))
+        self._page(patient.profile)
         if self._wants("calibration"):
             self._progress("calibration")
             self._guard(
@@ -160,6 +160,12 @@ class _Examination:
         if self._wants("store"):
             self._progress("store")
             self._guard("store", "ledger", lambda: check_store(patient, notes))
+
+    def _page(self, profile: Profile) -> None:
+        """Ask the page on the screen, which may be done while another program has the cell."""
+        notes, environment = self._notes, self._environment
+        if self._wants("screen"):
+            self._guard("screen", "page", lambda: check_page(profile, environment, notes))
 
     def _arm_and_what_hangs_on_it(self, patient: Patient) -> None:
         """Examine the arm; its controller then switches what gripper and cameras need."""

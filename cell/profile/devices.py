@@ -56,6 +56,8 @@ class DisplayProfile(Table):
     """Width of the picture."""
     height_px: Annotated[int, Field(ge=1)] = 1080
     """Height of the picture."""
+    page_port: Annotated[int, Field(ge=1, le=65535)] = 8320
+    """TCP port, on this computer, of the page that the television's browser shows."""
     corner_x_mm: float
     """Robot x of the picture's upper left corner."""
     corner_y_mm: float

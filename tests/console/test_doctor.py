@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from cell.drivers.kiosk import KioskScreen, KioskSettings
 from cell.ledger import Ledger
 from cell.profile import profile_text
 from cell.store import TablePlace
 from console.cli import main
 from tests.cell.doctor.ward import mash, twin
+from tests.cell.drivers.kiosk.pages import FakePage, silence, view
 
 
 @pytest.fixture(autouse=True)
@@ -168,3 +170,22 @@ def test_a_killed_server_leaves_a_gripper_that_knows_its_zero_and_files_that_sta
     told = json.loads(capsys.readouterr().out)
     assert {"component": "gripper", "what": "it knows its zero"} in told["fine"]
     assert (home / "world.json").read_bytes() == killed
+
+
+def test_the_page_that_another_program_serves_is_asked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with KioskScreen(KioskSettings(port=0)) as screen:
+        port = screen.url.rstrip("/").rpartition(":")[2]
+        path = profile_on_a_free_port(tmp_path, input__1=f"input = 1\npage_port = {port}")
+        words = ["doctor", "--profile", path, "--wires", "hardware", "--component", "screen"]
+        assert main([*words, "--verbose"]) == 1
+        assert "#page-not-connected" in capsys.readouterr().out
+        with FakePage(screen, silence, view()):
+            assert main([*words, "--verbose"]) == 0
+        assert "covers 1920 x 1080 pixels" in capsys.readouterr().out
+        with FakePage(screen, silence, view(1536, 864)):
+            assert main(words) == 1
+        assert "#page-wrong-size" in capsys.readouterr().out
+    assert main(words) == 0
+    assert f"nobody serves it on port {port}" in capsys.readouterr().out

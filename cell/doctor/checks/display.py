@@ -17,6 +17,7 @@ from cell.drivers.sharp_aquos.codec import (
 )
 from cell.drivers.sharp_aquos.tables import SLEEP_MINUTES, Permission, Word
 from cell.links.base import Link
+from cell.profile import Profile
 
 _ATTEMPTS = 2
 _TIMEOUT_S = 1.0
@@ -31,16 +32,21 @@ def check_display(patient: Patient, environment: Environment, notes: Notes) -> N
             _examine(patient, link, notes)
 
 
-def check_page(patient: Patient, environment: Environment, notes: Notes) -> None:
-    """Ask the picture page what it covers."""
+def check_page(profile: Profile, environment: Environment, notes: Notes) -> None:
+    """Ask the picture page what it covers; whoever serves it is not disturbed by that."""
     page = environment.page()
     if page is None:
         notes.skip("screen", "picture page", "the pictures are not shown by a page here")
         return
+    if not page.is_served:
+        port = profile.display.page_port
+        why = f"nobody serves it on port {port} now; `cell serve` and `cell tv-page` do"
+        notes.skip("screen", "picture page", why)
+        return
     if not page.is_connected:
         notes.find("page-not-connected", "screen", "no picture page is open", "0 pages connected")
         return
-    display = patient.profile.display
+    display = profile.display
     if (page.width_px, page.height_px) != (display.width_px, display.height_px):
         notes.find(
             "page-wrong-size",
@@ -51,6 +57,8 @@ def check_page(patient: Patient, environment: Environment, notes: Notes) -> None
         )
     else:
         notes.fine("screen", f"the picture page covers {page.width_px} x {page.height_px} pixels")
+        if page.trouble:
+            notes.skip("screen", "picture on the page", f"the page {page.trouble}")
 
 
 def _examine(patient: Patient, link: Link, notes: Notes) -> None:

@@ -45,6 +45,12 @@ class PageView(_Message):
     is_fullscreen: bool
     browser: _Text = ""
 
+    @property
+    def covers_px(self) -> tuple[int, int]:
+        """Width and height of the window's inside, in pixels of the screen."""
+        width_px, height_px = self.window_px
+        return round(width_px * self.pixel_ratio), round(height_px * self.pixel_ratio)
+
 
 class Viewed(_Message):
     """The page is there, or its window has changed."""

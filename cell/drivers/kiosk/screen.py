@@ -20,6 +20,7 @@ from cell.drivers.kiosk.pages import PageBoard, PageState
 from cell.drivers.kiosk.png import encode_png
 from cell.drivers.kiosk.server import KioskServer
 from cell.drivers.kiosk.settings import KioskSettings
+from cell.drivers.kiosk.telling import PageTold, ScreenTold
 from cell.errors import DeviceError, DeviceTimeout
 from cell.pictures import HEIGHT_PX, PICTURE_NAMES, WIDTH_PX, picture
 
@@ -46,7 +47,12 @@ class KioskScreen:
         self._clock = SystemClock() if clock is None else clock
         self._board = PageBoard()
         self._server = KioskServer(
-            settings.device, settings.host, settings.port, self._board, self._clock.now_s
+            settings.device,
+            settings.host,
+            settings.port,
+            self._board,
+            self._clock.now_s,
+            lambda: self.told().model_dump_json(),
         )
         self._memory = None if settings.state_folder is None else LastPicture(settings.state_folder)
         self._turn = threading.RLock()
@@ -161,6 +167,17 @@ class KioskScreen:
         if trouble is not None:
             raise DeviceError(self._settings.device, trouble.problem, hint=trouble.hint)
 
+    def told(self) -> ScreenTold:
+        """Return what is on the screen, as other programs are told it."""
+        show = self._show
+        pages = self.pages()
+        return ScreenTold(
+            size=self.size_px,
+            shown="" if show is None else show.name,
+            painted=show is not None and self._trouble(pages, show) is None,
+            pages=tuple(self._page_told(page, show) for page in pages),
+        )
+
     def await_change(self, seen: int, timeout_s: float) -> tuple[int, tuple[PageState, ...]]:
         """Return when pages came, went or said something that was not `seen`, or time is up.
 
@@ -233,6 +250,15 @@ class KioskScreen:
         if page.view is None:
             return Complaint("is connected and says nothing", "reload the page (Ctrl+Shift+R)")
         return view_complaint(page.view, width_px, height_px)
+
+    def _page_told(self, page: PageState, show: Show | None) -> PageTold:
+        complaint, view = self._complaint(page, show), page.view
+        return PageTold(
+            page=page.page,
+            covers_px=None if view is None else view.covers_px,
+            is_visible=view is not None and view.is_visible,
+            trouble="" if complaint is None else f"{complaint.problem}; {complaint.hint}",
+        )
 
     def _require_size(self, size_px: tuple[int, int], name: str) -> None:
         if size_px != self.size_px:

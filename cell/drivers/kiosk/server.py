@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import ipaddress
 import logging
 import socket
 import threading
@@ -22,6 +23,7 @@ from cell.drivers.kiosk.messages import (
     encode_show,
 )
 from cell.drivers.kiosk.pages import PageBoard
+from cell.drivers.kiosk.telling import STATE_PATH
 from cell.errors import DeviceError
 
 _LOGGER = logging.getLogger(__name__)
@@ -40,16 +42,24 @@ class KioskServer:
         port: Port to listen on, 0 for a free one.
         board: Where the pages' words are noted.
         now_s: The cell's time.
+        state: Tells as JSON what is on the screen, for other programs of this computer.
     """
 
     def __init__(
-        self, device: str, host: str, port: int, board: PageBoard, now_s: Callable[[], float]
+        self,
+        device: str,
+        host: str,
+        port: int,
+        board: PageBoard,
+        now_s: Callable[[], float],
+        state: Callable[[], str],
     ) -> None:
         self._device = device
         self._host = host
         self._port = port
         self._board = board
         self._now_s = now_s
+        self._state = state
         self._lock = threading.Lock()
         self._pictures: OrderedDict[str, bytes] = OrderedDict()
         self._show: Show | None = None
@@ -140,6 +150,7 @@ class KioskServer:
                 (r"/page\.js", _AssetHandler, {"name": "page.js", "kind": "text/javascript"}),
                 (r"/pictures/([0-9a-f]{64})\.png", _PictureHandler, {"server": self}),
                 (r"/socket", _PageSocket, {"server": self}),
+                (STATE_PATH, _StateHandler, {"state": self._state}),
             ],
             websocket_ping_interval=_PING_S,
             websocket_ping_timeout=_PING_S,
@@ -227,6 +238,20 @@ class _PictureHandler(RequestHandler):
         self.write(png)
 
 
+class _StateHandler(RequestHandler):
+    """What is on the screen; only programs of this computer are told."""
+
+    def initialize(self, state: Callable[[], str]) -> None:
+        self._state = state
+
+    def get(self) -> None:
+        if not _is_loopback(self.request.remote_ip or ""):
+            raise HTTPError(403)
+        self.set_header("Content-Type", "application/json; charset=utf-8")
+        self.set_header("Cache-Control", "no-store")
+        self.write(self._state())
+
+
 class _PageSocket(WebSocketHandler):
     """The line to one page."""
 
@@ -257,6 +282,13 @@ class _PageSocket(WebSocketHandler):
     def on_close(self) -> None:
         self._server.sockets.discard(self)
         self._server.left(self._page)
+
+
+def _is_loopback(address: str) -> bool:
+    try:
+        return ipaddress.ip_address(address).is_loopback
+    except ValueError:
+        return False
 
 
 def _log_request(handler: RequestHandler) -> None:

@@ -33,11 +33,11 @@ class KioskSettings:
 
     @classmethod
     def from_profile(
-        cls, profile: DisplayProfile, *, port: int = 8320, state_folder: Path | None = None
+        cls, profile: DisplayProfile, *, port: int | None = None, state_folder: Path | None = None
     ) -> KioskSettings:
-        """Return the settings for the television of a profile."""
+        """Return the settings for the television of a profile, on its port unless one is given."""
         return cls(
-            port=port,
+            port=profile.page_port if port is None else port,
             width_px=profile.width_px,
             height_px=profile.height_px,
             state_folder=state_folder,
