@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from cell.doctor import Component, PageState, PortState
 from cell.drivers.melfa_r3 import tables as melfa
@@ -20,10 +21,11 @@ from cell.links.base import Link
 from cell.links.errors import NotReached, PortForbidden, PortMissing, PortTaken
 from cell.lock import CellLock
 from cell.store import TablePlace
-from cell.twin.emulators.schunk_smp.mechanics import Mechanics
-from cell.twin.emulators.schunk_smp.registers import Registers
+from cell.twin.emulators.melfa_r3.state import StopButton
 from cell.twin.wire_faults import WireFault
 from tests.cell.doctor.ward import NOW, Ward, mash, years
+
+R = TypeVar("R")
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,45 +114,53 @@ def _alarm(number: int, folder: Path) -> Ward:
     return ward
 
 
-def _emergency_stop(folder: Path) -> Ward:
+def _hand(act: Callable[[Ward], None], folder: Path, *, in_service: bool = False) -> Ward:
+    """Return a ward at whose arm controller somebody did something."""
     ward = _ward(folder)
-    ward.cell.behind.controller.press_emergency_stop(ward.now_s)
+    if in_service:
+        ward.in_service()
+    act(ward)
     return ward
 
 
-def _emergency_stop_in_service(folder: Path) -> Ward:
-    ward = _ward(folder).in_service()
-    ward.cell.behind.controller.press_emergency_stop(ward.now_s)
-    return ward
+def _emergency_stop(where: StopButton, ward: Ward) -> None:
+    ward.cell.behind.controller.press_emergency_stop(ward.now_s, where)
 
 
-def _key(folder: Path) -> Ward:
-    ward = _ward(folder)
+def _key(ward: Ward) -> None:
     ward.cell.behind.controller.set_key_switch(ward.now_s, is_automatic=False)
-    return ward
 
 
-def _key_in_service(folder: Path) -> Ward:
-    ward = _ward(folder).in_service()
-    ward.cell.behind.controller.set_key_switch(ward.now_s, is_automatic=False)
-    return ward
-
-
-def _right(folder: Path) -> Ward:
-    ward = _ward(folder)
+def _right(ward: Ward) -> None:
     ward.cell.behind.controller.hold_right_by_panel(ward.now_s, is_held=True)
-    return ward
 
 
-def _right_in_service(folder: Path) -> Ward:
-    ward = _ward(folder).in_service()
-    ward.cell.behind.controller.hold_right_by_panel(ward.now_s, is_held=True)
-    return ward
+def _pendant(ward: Ward) -> None:
+    ward.cell.behind.controller.enable_pendant(ward.now_s, is_enabled=True)
 
 
-def _arm_answers(question: str, answer: str, folder: Path) -> Ward:
-    request = f";{question}\r".encode("ascii")
-    return _ward(folder).answering("arm", {request: f"{answer}\r".encode("ascii")})
+def _machine_lock(ward: Ward) -> None:
+    ward.cell.behind.controller.lock_machine(is_locked=True)
+
+
+def _other_arm(ward: Ward) -> None:
+    ward.cell.behind.controller.connect_arm("RV-6SD")
+
+
+def _no_program(ward: Ward) -> None:
+    ward.cell.behind.controller.delete_program("1")
+
+
+def _program_runs(ward: Ward) -> None:
+    ward.cell.behind.controller.start_program("4", ("M1=1",), ward.now_s)
+
+
+def _stop_input(ward: Ward) -> None:
+    ward.cell.behind.controller.set_stop_input(ward.now_s, is_on=True)
+
+
+def _dead_power_output(ward: Ward) -> None:
+    ward.cell.behind.controller.break_output(ward.profile.outputs.gripper_power, ward.now_s)
 
 
 def _servo_off(folder: Path) -> Ward:
@@ -200,17 +210,13 @@ def _power_off(folder: Path) -> Ward:
 
 def _register(register: Register, value: float, folder: Path) -> Ward:
     ward = _powered(folder)
-    registers = ward.cell.behind.module._registers
-    assert isinstance(registers, Registers)
-    registers._values[register] = value
+    ward.cell.behind.module.set_register(register, value)
     return ward
 
 
 def _unreferenced(folder: Path) -> Ward:
     ward = _powered(folder)
-    mechanics = ward.cell.behind.module._mechanics
-    assert isinstance(mechanics, Mechanics)
-    mechanics.is_referenced = False
+    ward.cell.behind.module.lose_reference()
     return ward
 
 
@@ -431,17 +437,13 @@ def _wrong_map(folder: Path) -> Ward:
     return _camera_profile("top", folder, plane_map=tuple(tuple(row) for row in rows))
 
 
-def _p(arrange: Callable[..., Ward], *args: object) -> Callable[[Path], Ward]:
+def _p(arrange: Callable[..., R], *args: object) -> Callable[..., R]:
     return partial(arrange, *args)
 
 
-_TEACH_REPLY = "QeR5010"
-_IDENTITY = (
-    "QoK3F;3F;7,0;3,5,A,1E,32,46,64;MB5;PRM;RV-6SD;CRnD-7xx;MELFA;10-06-17;Ver.P8a;ENG;"
-    "COPYRIGHT(C)2010;1;3;8;"
-)
-_LOCKED = "QoK;0;10;00;05060;1;01;;;;;;;;;REP;START;1;0"
-_RUNNING = "QoK4;0;10;00;41000;1;01;;;;;;;;4;REP;START;1;1"
+def _at_work(act: Callable[[Ward], None]) -> Callable[[Path], Ward]:
+    return lambda folder: _hand(act, folder, in_service=True)
+
 
 SEEDS: tuple[Seed, ...] = (
     Seed("the arm's cable is out", "cable-out", _p(_wire, "arm", WireFault.UNPLUGGED)),
@@ -484,32 +486,40 @@ SEEDS: tuple[Seed, ...] = (
     Seed("the television's answer is cut", "line-unreliable", _p(_wire, "display", WireFault.HALF)),
     Seed("the arm sends garbage once", "line-unreliable", _p(_wire, "arm", WireFault.GARBAGE)),
     Seed("the controller is off", "arm-silent", _p(_wire, "arm", WireFault.SILENT)),
-    Seed("the panel's stop is pressed", "arm-emergency-stop-panel", _emergency_stop),
-    Seed("the stop is pressed at work", "arm-emergency-stop-panel", _emergency_stop_in_service),
+    Seed(
+        "the panel's stop is pressed",
+        "arm-emergency-stop-panel",
+        _p(_hand, _p(_emergency_stop, "panel")),
+    ),
+    Seed(
+        "the stop is pressed at work",
+        "arm-emergency-stop-panel",
+        _at_work(_p(_emergency_stop, "panel")),
+    ),
     Seed(
         "the pendant's stop is pressed",
         "arm-emergency-stop-pendant",
-        _p(_alarm, melfa.EMERGENCY_PENDANT),
+        _p(_hand, _p(_emergency_stop, "pendant")),
     ),
     Seed(
         "a stop at the cell is pressed",
         "arm-emergency-stop-external",
-        _p(_alarm, melfa.EMERGENCY_EXTERNAL),
+        _p(_hand, _p(_emergency_stop, "external")),
     ),
-    Seed("the key stands at TEACH", "arm-key-at-teach", _key),
-    Seed("somebody turned the key at work", "arm-key-at-teach", _key_in_service),
-    Seed("the pendant is enabled", "arm-pendant-enabled", _p(_arm_answers, "CNTLON", _TEACH_REPLY)),
-    Seed("the pendant holds the arm", "arm-pendant-enabled", _p(_arm_answers, "STPSIG", "QoK1;0")),
-    Seed("the panel holds the right", "arm-right-held", _right),
-    Seed("the panel took the right at work", "arm-right-held", _right_in_service),
+    Seed("the key stands at TEACH", "arm-key-at-teach", _p(_hand, _key)),
+    Seed("somebody turned the key at work", "arm-key-at-teach", _at_work(_key)),
+    Seed("the pendant is enabled", "arm-pendant-enabled", _p(_hand, _pendant)),
+    Seed("the pendant is enabled at work", "arm-pendant-enabled", _at_work(_pendant)),
+    Seed("the panel holds the right", "arm-right-held", _p(_hand, _right)),
+    Seed("the panel took the right at work", "arm-right-held", _at_work(_right)),
     Seed("a servo amplifier failed", "arm-alarm-high", _p(_alarm, melfa.SERVO_AMPLIFIER)),
     Seed("a target was out of range", "arm-alarm-low", _p(_alarm, melfa.TARGET_OUT_OF_RANGE)),
     Seed("a caution is shown", "arm-alarm-caution", _p(_alarm, melfa.UNKNOWN_COMMAND)),
-    Seed("machine lock is on", "arm-machine-lock", _p(_arm_answers, "STATE", _LOCKED)),
-    Seed("another arm is connected", "arm-wrong-robot", _p(_arm_answers, "OPEN=DOCTOR", _IDENTITY)),
-    Seed("the empty program was deleted", "arm-program-missing", _p(_arm_answers, "PDIR<", "QoK")),
-    Seed("a program runs", "arm-program-running", _p(_arm_answers, "STATE", _RUNNING)),
-    Seed("a stop input is on", "arm-stop-signal", _p(_arm_answers, "STPSIG", "QoK4;0")),
+    Seed("machine lock is on", "arm-machine-lock", _p(_hand, _machine_lock)),
+    Seed("another arm is connected", "arm-wrong-robot", _p(_hand, _other_arm)),
+    Seed("the empty program was deleted", "arm-program-missing", _p(_hand, _no_program)),
+    Seed("a program runs", "arm-program-running", _p(_hand, _program_runs)),
+    Seed("a stop input is on", "arm-stop-signal", _p(_hand, _stop_input)),
     Seed(
         "the profile's limits are others",
         "arm-limits-differ",
@@ -526,7 +536,7 @@ SEEDS: tuple[Seed, ...] = (
     Seed(
         "the power output does not come on",
         "gripper-no-power",
-        lambda folder: _ward(folder).answering("arm", {b"OUT9\r": b"QoK0000\r"}),
+        _p(_hand, _dead_power_output),
     ),
     Seed("the gripper is dead", "gripper-silent", _dead_gripper),
     Seed(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 from cell.assembly import assemble_twin
@@ -15,7 +15,6 @@ from cell.doctor import Component, PageState, Patient, PortState, Report, examin
 from cell.doctor.learned import LearnedPicture, learn
 from cell.doctor.meeting import patient_of_twin
 from cell.doctor.patient import OpenLine
-from cell.links.base import Link
 from cell.profile import Profile, load_profile
 from cell.store import StorePlan
 from cell.twin_cell import TwinCell
@@ -130,11 +129,6 @@ class Ward:
     def line(self, device: str) -> OpenLine:
         return patient_of_twin(self.cell).lines[device]
 
-    def answering(self, device: str, answers: Mapping[bytes, bytes]) -> Ward:
-        """Have some questions to a device answered by somebody else."""
-        self.lines[device] = partial(AnsweringLink.of, self.line(device), answers)
-        return self
-
     def examine(self, only: Component | None = None) -> Report:
         try:
             return examine(
@@ -148,39 +142,6 @@ class Ward:
             for close in self.to_close:
                 close()
             self.cell.dispose()
-
-
-class AnsweringLink:
-    """A line on which some questions are answered by the test instead of the device."""
-
-    def __init__(self, link: Link, answers: Mapping[bytes, bytes]) -> None:
-        self._link = link
-        self._answers = answers
-        self._waiting = b""
-
-    @staticmethod
-    def of(opener: OpenLine, answers: Mapping[bytes, bytes]) -> Link:
-        return AnsweringLink(opener(), answers)
-
-    @property
-    def name(self) -> str:
-        return self._link.name
-
-    def write(self, data: bytes) -> None:
-        for question, answer in self._answers.items():
-            if question in data:
-                self._waiting += answer
-                return
-        self._link.write(data)
-
-    def read(self, timeout_s: float) -> bytes:
-        if self._waiting:
-            waiting, self._waiting = self._waiting, b""
-            return waiting
-        return self._link.read(timeout_s)
-
-    def close(self) -> None:
-        self._link.close()
 
 
 def years(count: float) -> timedelta:

@@ -25,6 +25,7 @@ from cell.twin.emulators.melfa_r3.planner import Planner
 from cell.twin.emulators.melfa_r3.refusal import Refusal
 from cell.twin.emulators.melfa_r3.settings import ControllerSettings
 from cell.twin.emulators.melfa_r3.stand import ArmKinematics
+from cell.twin.emulators.melfa_r3.state import StopButton, alarm_of
 
 _ACCEPTED = b"QoK\r"
 _ACCEPTED_IN_ALARM = b"Qok\r"
@@ -89,15 +90,62 @@ class MelfaController:
 
     # Hands at the controller, and faults
 
-    def press_emergency_stop(self, now_s: float) -> None:
-        """Press the panel's emergency stop: it latches, the servos go off."""
-        self._commands.state.is_emergency_pressed = True
-        self.raise_alarm(tables.EMERGENCY_PANEL, now_s)
+    def press_emergency_stop(self, now_s: float, where: StopButton = "panel") -> None:
+        """Press an emergency stop: it latches, the servos go off."""
+        self._commands.state.pressed.add(where)
+        self.raise_alarm(alarm_of(where), now_s)
 
     def release_emergency_stop(self, now_s: float) -> None:
-        """Unlock the panel's emergency stop; the alarm stays until it is reset."""
+        """Unlock every emergency stop; the alarm stays until it is reset."""
         self._advance(now_s)
-        self._commands.state.is_emergency_pressed = False
+        self._commands.state.pressed.clear()
+
+    def enable_pendant(self, now_s: float, *, is_enabled: bool) -> None:
+        """Turn the pendant's switch; enabled, it has the arm: right and servos are gone."""
+        self._advance(now_s)
+        self._commands.state.is_pendant_enabled = is_enabled
+        if is_enabled:
+            self._commands.state.holder = "nobody"
+            self._servos_off(now_s)
+
+    def lock_machine(self, *, is_locked: bool) -> None:
+        """Switch machine lock: motions are taken, and the arm does not follow them."""
+        self._commands.state.is_locked = is_locked
+
+    def set_stop_input(self, now_s: float, *, is_on: bool) -> None:
+        """Switch the stop input: a motion ends, and none goes on while it is on."""
+        self._commands.state.is_stop_input_on = is_on
+        if is_on:
+            self.press_stop_button(now_s)
+
+    def connect_arm(self, robot: str) -> None:
+        """Have the controller drive an arm of another type, as it tells it."""
+        self._commands.identity = self._commands.identity._replace(robot=robot)
+
+    def break_output(self, bit: int, now_s: float) -> None:
+        """Let an output stay off from now on, whatever is asked."""
+        commands = self._commands
+        commands.state.dead_outputs.add(bit)
+        commands.state.outputs.discard(bit)
+        commands.mechanism.switch_output(bit, now_s, is_on=False)
+
+    def delete_program(self, name: str) -> None:
+        """Delete a program at the panel.
+
+        Raises:
+            Refusal: There is none of that name.
+        """
+        self._commands.library.delete(name)
+
+    def start_program(self, name: str, lines: tuple[str, ...], now_s: float) -> None:
+        """Put a program into memory and start it at the panel, over and over."""
+        self._advance(now_s)
+        commands = self._commands
+        commands.library.keep(name, lines)
+        commands.runner.load(name)
+        commands.state.program = name
+        commands.state.holder = "panel"
+        commands.runner.start(is_cyclic=False)
 
     def set_key_switch(self, now_s: float, *, is_automatic: bool) -> None:
         """Turn the key switch to AUTO or TEACH; TEACH takes right and servos away."""

@@ -126,6 +126,7 @@ class Interpreter:
         """
         if not 0 <= bit < OUTPUTS:
             raise Refusal(tables.ARGUMENT_RANGE)
+        is_on = is_on and bit not in self._state.dead_outputs
         if is_on:
             self._state.outputs.add(bit)
         else:

@@ -101,6 +101,10 @@ class ProgramLibrary:
         self._is_changed = False
         return self._name
 
+    def keep(self, name: str, lines: tuple[str, ...]) -> None:
+        """Put a program into memory, in the place of one of that name."""
+        self._programs[name] = lines
+
     def delete(self, name: str) -> None:
         """Forget a program.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cell.twin.bodies import ArmBody, JointTuple
 from cell.twin.emulators.melfa_r3.paths import PlannedPath
 from cell.twin.emulators.melfa_r3.planner import Planner
@@ -9,9 +11,18 @@ from cell.twin.emulators.melfa_r3.stand import Stand
 
 
 class Mechanism:
-    """Knows the path under way and where the arm stands."""
+    """Knows the path under way and where the arm stands.
 
-    def __init__(self, body: ArmBody, planner: Planner) -> None:
+    Args:
+        body: The arm's mechanics in the twin.
+        planner: Makes stands of joint angles.
+        is_barred: Whether something keeps the arm from moving: a motion is over at once.
+    """
+
+    def __init__(
+        self, body: ArmBody, planner: Planner, is_barred: Callable[[], bool] = lambda: False
+    ) -> None:
+        self._is_barred = is_barred
         self._body = body
         self._planner = planner
         self._path: PlannedPath | None = None
@@ -38,7 +49,9 @@ class Mechanism:
         return path.speed_mm_s(now_s)
 
     def follow(self, path: PlannedPath, end: Stand) -> None:
-        """Start a motion that ends at a stand."""
+        """Start a motion that ends at a stand; an arm that is barred stays where it is."""
+        if self._is_barred():
+            return
         self._path = path
         self._stand = end
         self._body.follow(path)

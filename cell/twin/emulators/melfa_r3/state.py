@@ -6,14 +6,25 @@ from collections import deque
 from typing import Literal
 
 from cell.drivers.melfa_r3 import tables
+from cell.drivers.melfa_r3.records import StopSources
 from cell.drivers.melfa_r3.tables import Run, Stop
 
 Holder = Literal["nobody", "host", "panel"]
+StopButton = Literal["panel", "pendant", "external"]
+"""Where an emergency stop can be pressed."""
 
 HISTORY = 32
 """How many alarms the controller remembers."""
 
-_PANEL_STOP = 0x2
+_EMERGENCIES: dict[StopButton, tuple[int, int]] = {
+    "panel": (0x2, tables.EMERGENCY_PANEL),
+    "pendant": (0x4, tables.EMERGENCY_PENDANT),
+    "external": (0x1, tables.EMERGENCY_EXTERNAL),
+}
+"""Bit of the emergency sources in STPSIG, and the alarm."""
+_PENDANT_STOPS = 0x1
+_INPUT_STOPS = 0x4
+_LOCKED = int(Run.MACHINE_LOCK)
 _SERVO_ON = int(Run.SERVO_ON)
 _RUNNING = int(Run.RUNNING)
 _TEACH = int(Run.TEACH)
@@ -30,7 +41,11 @@ class ControllerState:
         is_open: Whether a session is open.
         holder: Who holds the operation right.
         is_automatic: Whether the key switch is at AUTO.
-        is_emergency_pressed: Whether the panel's emergency stop is pressed.
+        pressed: The emergency stops that are pressed.
+        is_pendant_enabled: Whether the teach pendant has the arm.
+        is_locked: Whether machine lock is on: programs run, the arm stays where it is.
+        is_stop_input_on: Whether the stop input is on: no motion goes on.
+        dead_outputs: Outputs that stay off whatever is asked.
         alarm: Number of the active alarm, 0 for none.
         history: Numbers of past alarms, the latest first.
         servo_ready_s: When the servos are (or were) on, None while off.
@@ -46,7 +61,11 @@ class ControllerState:
         self.is_open = False
         self.holder: Holder = "nobody"
         self.is_automatic = True
-        self.is_emergency_pressed = False
+        self.pressed: set[StopButton] = set()
+        self.is_pendant_enabled = False
+        self.is_locked = False
+        self.is_stop_input_on = False
+        self.dead_outputs: set[int] = set()
         self.alarm = 0
         self.history: deque[int] = deque(maxlen=HISTORY)
         self.servo_ready_s: float | None = None
@@ -56,6 +75,11 @@ class ControllerState:
         self.outputs: set[int] = set()
         self.inputs: set[int] = set()
         self.open_hands: set[int] = set()
+
+    @property
+    def is_emergency_pressed(self) -> bool:
+        """Whether any emergency stop is pressed."""
+        return bool(self.pressed)
 
     @property
     def severity(self) -> tables.ErrorClass:
@@ -72,6 +96,10 @@ class ControllerState:
         """Return whether the servos are on; turning on counts as off."""
         return self.servo_ready_s is not None and now_s >= self.servo_ready_s
 
+    def is_barred(self) -> bool:
+        """Return whether the arm stays where it is though motions are taken."""
+        return self.is_locked or self.is_stop_input_on
+
     def set_alarm(self, number: int) -> None:
         """Make an alarm the active one and remember it."""
         self.alarm = number
@@ -79,7 +107,7 @@ class ControllerState:
 
     def clear_alarm(self) -> None:
         """Clear the alarm, unless its cause is still there."""
-        self.alarm = tables.EMERGENCY_PANEL if self.is_emergency_pressed else 0
+        self.alarm = alarm_of(min(self.pressed)) if self.pressed else 0
 
     def forget(self) -> None:
         """Be as after power on: everything but switches, inputs and override is as at first."""
@@ -103,6 +131,8 @@ class ControllerState:
             status |= _TEACH
         if self.holder == "host":
             status |= _ENABLED
+        if self.is_locked:
+            status |= _LOCKED
         return status
 
     def stop_status(self, *, is_running: bool) -> int:
@@ -110,6 +140,13 @@ class ControllerState:
         status = 0 if is_running else _IDLE
         return status | _EMERGENCY if self.is_emergency_pressed else status
 
-    def emergency_sources(self) -> int:
-        """Return the emergency digit of STPSIG."""
-        return _PANEL_STOP if self.is_emergency_pressed else 0
+    def stop_sources(self) -> StopSources:
+        """Return who stops the arm, as STPSIG tells it."""
+        stops = _PENDANT_STOPS if self.is_pendant_enabled else 0
+        stops |= _INPUT_STOPS if self.is_stop_input_on else 0
+        return StopSources(stops, sum(_EMERGENCIES[where][0] for where in self.pressed))
+
+
+def alarm_of(where: StopButton) -> int:
+    """Return the alarm of an emergency stop."""
+    return _EMERGENCIES[where][1]

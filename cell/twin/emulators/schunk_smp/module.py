@@ -159,6 +159,14 @@ class SchunkModule:
         self._unpowered_until_s = now_s + for_s
         self._catch_up(now_s)
 
+    def lose_reference(self) -> None:
+        """Let the module forget its zero, as after a fault of its encoder."""
+        self._mechanics.is_referenced = False
+
+    def set_register(self, register: Register, value: float) -> None:
+        """Store a parameter, as somebody does with the maker's program."""
+        self._registers.put(register, value)
+
     def corrupt_next_reply(self, count: int = 1) -> None:
         """Turn over a bit in each of the next `count` messages."""
         self._corrupted += count

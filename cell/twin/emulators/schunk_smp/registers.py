@@ -77,6 +77,10 @@ class Registers:
         is_length = register in LENGTH_REGISTERS
         self._values[register] = value * self.mm_per_unit if is_length else value
 
+    def put(self, register: Register, value: float) -> None:
+        """Set a register whoever may write it, lengths in millimetres."""
+        self._values[register] = value
+
     def log_in(self, password: str) -> UserLevel:
         """Change the user level; an unknown password gives the lowest."""
         self.level = self._passwords.get(password, UserLevel.USER)
