@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from cell.profile import CellProfile, Profile
     from cell.robot_cell import RobotCell
     from cell.store import StorePlan
+    from cell.twin.keeping_devices import DevicesFile
 
 Wires = Literal["memory", "pty", "hardware"]
 
@@ -138,6 +139,7 @@ def _put_back(hands: ByHand, cell: HandCell, options: HandOptions) -> None:
         if isinstance(cell, TwinCell):
             folder = cell_folder(cell.profile.name)
             WorldFile(folder / "world.json").save(cell.world, cell.clock.now_s())
+            _devices_file(folder).save(cell.behind, cell.clock.now_s())
     finally:
         cell.dispose()
 
@@ -205,6 +207,7 @@ def _warn(text: str) -> None:
 def _with_playground(profile: Profile, options: HandOptions) -> RobotCell:
     from cell.assembly import assemble_twin
     from cell.clock import SimulatedClock, SystemClock
+    from cell.errors import CellError
     from console.scripts import load_script
     from sessions.hosting import store_plan
 
@@ -214,9 +217,21 @@ def _with_playground(profile: Profile, options: HandOptions) -> RobotCell:
     if options.wires == "hardware":
         return _assemble_hardware(profile, plan, folder, tap)
     clock: Clock = SystemClock() if options.real_time else SimulatedClock()
-    return assemble_twin(
+    cell = assemble_twin(
         profile, plan, seed=0, clock=clock, state_folder=folder, tap=tap, wires=options.wires
     )
+    try:
+        _devices_file(folder).load_into(cell.behind)
+    except CellError:
+        cell.dispose()
+        raise
+    return cell
+
+
+def _devices_file(folder: Path) -> DevicesFile:
+    from cell.twin.keeping_devices import DevicesFile
+
+    return DevicesFile(folder / "devices.json", folder / "world.json")
 
 
 def _assemble_hardware(

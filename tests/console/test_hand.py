@@ -329,3 +329,50 @@ def test_an_interrupt_stops_the_arm_on_the_wire(number: signal.Signals, tmp_path
     assert "the arm stands still" in rest
     assert "Traceback" not in rest
     assert out == ""
+
+
+# What television and cameras keep
+
+
+def test_the_television_stays_as_it_was_left(cell: Cell) -> None:
+    assert cell("tv", "state", "--json").data()["on"] is False
+    cell("tv", "on")
+    cell("tv", "volume", "33")
+    cell("tv", "input", "2")
+    cell("tv", "picture", "forest")
+    state = cell("tv", "state", "--json").data()
+    assert (state["on"], state["input"], state["volume"]) == (True, 1, 33)
+    assert state["picture"] == "forest"
+    cell("tv", "off")
+    assert cell("tv", "state", "--json").data()["on"] is False
+
+
+def test_a_feature_of_a_camera_stays_as_it_was_set(cell: Cell) -> None:
+    cell("camera", "set", "top", "shutter", "20")
+    cell("camera", "auto", "top", "gain", "on")
+    features = {
+        one["name"]: one for one in json.loads(cell("camera", "features", "top", "--json").out)
+    }
+    assert features["shutter"]["absolute"] == pytest.approx(20, rel=0.01)
+    assert features["gain"]["control"] != "manual"
+    other = json.loads(cell("camera", "features", "oblique", "--json").out)
+    shutter = next(one for one in other if one["name"] == "shutter")
+    assert shutter["absolute"] == pytest.approx(149.869, rel=0.01)
+
+
+def test_devices_begin_anew_when_somebody_else_had_the_world(cell: Cell) -> None:
+    cell("tv", "on")
+    world = cell_folder("mash") / "world.json"
+    world.write_text(world.read_text("utf-8"), "utf-8")
+    assert cell("tv", "state", "--json").data()["on"] is False
+
+
+def test_a_world_of_before_still_loads_and_spoiled_devices_are_a_sentence(cell: Cell) -> None:
+    cell("robot", "lattice", "3", "3")
+    kept = cell_folder("mash") / "devices.json"
+    kept.unlink()
+    assert place(cell("robot", "pose", "--json")) == pytest.approx((650, -205, 200), abs=0.1)
+    kept.write_text("{", "utf-8")
+    for _ in range(2):
+        said = cell("tv", "state")
+        assert (said.code, "does not hold the twin's television" in said.err) == (3, True)

@@ -91,6 +91,21 @@ _RAW_FOLLOWS = (SLOTS["shutter"].offset, SLOTS["gain"].offset)
 """Registers whose raw value is read-only in automatic and in absolute mode."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptRegisters:
+    """What was set of a body, by the offset of each register.
+
+    Attributes:
+        words: Control words.
+        absolutes: Absolute values in the camera's unit.
+        rate_hz: Frame rate.
+    """
+
+    words: dict[int, ControlWord]
+    absolutes: dict[int, float]
+    rate_hz: float
+
+
 class Flea2Registers:
     """What the body answers to reads and writes of its registers.
 
@@ -140,6 +155,19 @@ class Flea2Registers:
             self._words[offset] = ControlWord(is_auto=register.has_auto, high_value=high, value=low)
             self._follow_raw(offset)
         self.set_frame_rate(self._rate_hz)
+
+    def kept(self) -> KeptRegisters:
+        """Return what was set."""
+        return KeptRegisters(
+            words=dict(self._words), absolutes=dict(self._absolutes), rate_hz=self._rate_hz
+        )
+
+    def restore(self, kept: KeptRegisters) -> None:
+        """Go on from what was kept; registers that the body does not have are left out."""
+        self.set_frame_rate(kept.rate_hz)
+        self._words |= {o: word for o, word in kept.words.items() if o in self._words}
+        self._absolutes |= {o: v for o, v in kept.absolutes.items() if o in self._absolutes}
+        self._revision += 1
 
     def set_frame_rate(self, rate_hz: float) -> None:
         """Run at a rate; the longest shutter goes with the frame period."""

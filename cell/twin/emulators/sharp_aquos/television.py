@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 from cell.drivers.sharp_aquos.codec import (
@@ -55,6 +56,23 @@ _WRAPS: dict[Word, tuple[int, ...]] = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptTelevision:
+    """A set that stays plugged in.
+
+    Attributes:
+        is_on: Whether it is on; what is still starting is on by then.
+        input: The input it shows, 0 for the tuner.
+        permission: Whence it may be switched on.
+        values: What was set, by command word.
+    """
+
+    is_on: bool
+    input: int
+    permission: Permission
+    values: dict[Word, int]
+
+
 class SharpTelevision:
     """An AQUOS set as a `cell.links.base.Emulator` on the twin's panel.
 
@@ -83,6 +101,25 @@ class SharpTelevision:
     def is_on(self) -> bool:
         """Whether the set is on, ready or not."""
         return self._power != "standby"
+
+    # From one process to the next
+
+    def kept(self, now_s: float) -> KeptTelevision:
+        """Return what the set goes on with; its sleep timer is forgotten."""
+        self._catch_up(now_s)
+        return KeptTelevision(
+            is_on=self.is_on,
+            input=self._input,
+            permission=self._permission,
+            values={**self._values, Word.SLEEP_TIMER: 0},
+        )
+
+    def restore(self, kept: KeptTelevision) -> None:
+        """Go on from what was kept, at time 0; what it does not know stays as it is."""
+        self._power = "on" if kept.is_on else "standby"
+        self._input, self._permission = kept.input, kept.permission
+        self._values |= {w: v for w, v in kept.values.items() if w in self._values}
+        self._body.set_lit(is_lit=kept.is_on, input_number=kept.input, now_s=0.0)
 
     # The wire
 
