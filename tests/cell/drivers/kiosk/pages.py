@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import json
 import threading
 from collections.abc import Callable
@@ -66,11 +67,37 @@ def loading_only(show: dict[str, Any], png: bytes) -> list[dict[str, Any]]:
     return [{"kind": "loading", "number": show["number"]}]
 
 
-class FakePage:
-    """Connects, tells its view, fetches what it is told to show, and reacts."""
+def confirming(seen: dict[str, Any]) -> Reaction:
+    """Return what a page with that view says when all is well."""
 
-    def __init__(self, screen: KioskScreen, reaction: Reaction, seen: dict[str, Any]) -> None:
-        self._screen = screen
+    def confirm(show: dict[str, Any], png: bytes) -> list[dict[str, Any]]:
+        return [
+            {"kind": "loading", "number": show["number"]},
+            {
+                "kind": "painted",
+                "number": show["number"],
+                "sha256": hashlib.sha256(png).hexdigest(),
+                "picture_px": [show["width_px"], show["height_px"]],
+                "painted_unix_ms": 1.0,
+                "took_ms": 20.0,
+                "view": seen,
+            },
+        ]
+
+    return confirm
+
+
+class DistantPage:
+    """Connects to a server, tells its view, fetches what it is told to show, and reacts.
+
+    Args:
+        url: Where the page is served.
+        reaction: What it says to a `show`.
+        seen: Its view.
+    """
+
+    def __init__(self, url: str, reaction: Reaction, seen: dict[str, Any]) -> None:
+        self._base = url.rstrip("/")
         self._reaction = reaction
         self._view = seen
         self._loop = asyncio.new_event_loop()
@@ -81,10 +108,8 @@ class FakePage:
         self._thread = threading.Thread(target=self._loop.run_until_complete, args=[self._run()])
 
     def __enter__(self) -> Self:
-        known = len(self._screen.pages())
         self._thread.start()
         assert self._ready.wait(PATIENCE_S)
-        await_pages(self._screen, lambda pages: len(pages) > known and all(p.view for p in pages))
         return self
 
     def __exit__(
@@ -113,7 +138,7 @@ class FakePage:
             self._socket.close()
 
     async def _run(self) -> None:
-        base = self._screen.url.rstrip("/")
+        base = self._base
         self._socket = await websocket_connect(f"{base.replace('http', 'ws')}/socket")
         self._send(json.dumps({"kind": "view", "view": self._view}))
         self._ready.set()
@@ -127,6 +152,20 @@ class FakePage:
         self._socket.close()
         self.was_closed_by_server.set()
         client.close()
+
+
+class FakePage(DistantPage):
+    """A page of a screen in this process, there as soon as the screen knows it."""
+
+    def __init__(self, screen: KioskScreen, reaction: Reaction, seen: dict[str, Any]) -> None:
+        super().__init__(screen.url, reaction, seen)
+        self._screen = screen
+
+    def __enter__(self) -> Self:
+        known = len(self._screen.pages())
+        super().__enter__()
+        await_pages(self._screen, lambda pages: len(pages) > known and all(p.view for p in pages))
+        return self
 
 
 def await_pages(screen: KioskScreen, condition: Callable[[Any], bool]) -> None:
