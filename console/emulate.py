@@ -6,7 +6,8 @@ import signal
 import sys
 import tempfile
 import threading
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     from cell.store import StorePlan
     from cell.twin.serving.ends import DeviceEnd
     from cell.twin.serving.server import EmulatorServer
+
+WEB_CAMERA = "axis-211"
+"""The one model that speaks HTTP; it has no line, and nothing of the cell's world."""
 
 
 def emulate(
@@ -54,7 +58,8 @@ def emulate(
 
     With a MODEL, that device is emulated and its port written to stdout. Without one, all
     serial devices of a cell are, in one world, and a table of their ports is written; with
-    those ports in a profile, `cell serve --wires hardware` uses them like hardware.
+    those ports in a profile, `cell serve --wires hardware` uses them like hardware. The web
+    camera `axis-211` is served over HTTP, and its address written.
 
     Args:
         model: Model of one device; all devices of a cell unless given.
@@ -71,10 +76,24 @@ def emulate(
         raise ConsoleError("--pty and --tcp exclude each other: a device has one port")
     if tcp is not None and model is None:
         raise ConsoleError("--tcp needs a MODEL: an address is one device's")
+    if model == WEB_CAMERA:
+        return _emulate_web_camera(pty, tcp, seed, as_json=as_json)
     from cell.clock import SystemClock
 
     clock = SystemClock()
     devices = _devices(model, profile, _plan(script), clock, seed, on_network=tcp is not None)
+    with ExitStack() as stack, _stopping() as (received, stopped):
+        ends = _ends(devices, stack, pty, tcp, is_one=model is not None, seed=seed)
+        servers = _start(devices, ends, stack, clock, paces=pace, traces=trace)
+        _announce(devices, servers, is_one=model is not None, as_json=as_json)
+        _watch(servers, stopped)
+        say("stopping: the ports vanish", "dim")
+    return Exit.INTERRUPTED if signal.SIGINT in received else Exit.DONE
+
+
+@contextmanager
+def _stopping() -> Iterator[tuple[list[int], threading.Event]]:
+    """Collect SIGTERM and Ctrl-C for a while; the event is set when one has come."""
     received: list[int] = []
     stopped = threading.Event()
 
@@ -82,12 +101,28 @@ def emulate(
         received.append(number)
         stopped.set()
 
-    with ExitStack() as stack, signals_handled(stop):
-        ends = _ends(devices, stack, pty, tcp, is_one=model is not None, seed=seed)
-        servers = _start(devices, ends, stack, clock, paces=pace, traces=trace)
-        _announce(devices, servers, is_one=model is not None, as_json=as_json)
-        _watch(servers, stopped)
-        say("stopping: the ports vanish", "dim")
+    with signals_handled(stop):
+        yield received, stopped
+
+
+def _emulate_web_camera(pty: Path | None, tcp: str | None, seed: int, *, as_json: bool) -> int:
+    """Serve a web camera over HTTP until somebody stops it."""
+    if pty is not None:
+        raise ConsoleError(f"--pty is for serial devices; {WEB_CAMERA} is on the network: --tcp")
+    from cell.twin.emulators.axis_vapix import EmulatedAxisCamera
+
+    host, port = ("127.0.0.1", 0) if tcp is None else parse_address(tcp)
+    with (
+        _stopping() as (received, stopped),
+        EmulatedAxisCamera(host=host, port=port, seed=seed) as camera,
+    ):
+        if as_json:
+            row = {"device": "web_camera", "model": WEB_CAMERA, "port": camera.url, "line": "HTTP"}
+            put_json([row])
+        else:
+            put(camera.url)
+        stopped.wait()
+        say("stopping: the camera vanishes", "dim")
     return Exit.INTERRUPTED if signal.SIGINT in received else Exit.DONE
 
 
@@ -117,7 +152,8 @@ def _devices(
     if model is None:
         return emulate_cell(load_cell_profile(profile or "mash"), plan, clock, seed=seed)
     if model not in MODELS:
-        raise ConsoleError(f"there is no model {model}; there are {', '.join(sorted(MODELS))}")
+        known = ", ".join(sorted([*MODELS, WEB_CAMERA]))
+        raise ConsoleError(f"there is no model {model}; there are {known}")
     return (emulate_model(model, profile, plan, clock, seed=seed, on_network=on_network),)
 
 

@@ -117,6 +117,18 @@ def test_without_a_model_every_device_of_the_cell_has_a_port(tmp_path: Path) -> 
         assert list(tmp_path.iterdir()) == []
 
 
+def test_the_web_camera_is_served_over_http_and_ends_cleanly(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with emulating("axis-211", "--tcp", "127.0.0.1:0") as (process, rows):
+        assert [(row["device"], row["model"]) for row in rows] == [("web_camera", "axis-211")]
+        still = tmp_path / "still.jpg"
+        assert main(["webcam", "still", str(still), "--url", rows[0]["port"]]) == 0
+        assert still.read_bytes().startswith(b"\xff\xd8")
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(DEADLINE_S) == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "words", "code"),
     [
@@ -124,6 +136,7 @@ def test_without_a_model_every_device_of_the_cell_has_a_port(tmp_path: Path) -> 
         (["melfa-rv6sdl", "--pty", "/tmp/x", "--tcp", "127.0.0.1:0"], "exclude each other", 2),
         (["--tcp", "127.0.0.1:0"], "needs a MODEL", 2),
         (["melfa-rv6sdl", "--tcp", "nowhere"], "HOST:PORT", 2),
+        (["axis-211", "--pty", "/tmp/x"], "is on the network", 2),
         (["melfa-rv6sdl", "--pty", "/nowhere/arm"], "no folder /nowhere", 3),
         (["lynx-al5d", "--profile", "mash"], "has no lynx-al5d", 2),
     ],
