@@ -74,6 +74,7 @@ class World:
         self._closing: _Closing | None = None
         self.held: Held | None = None
         self._are_fingers_jammed = False
+        self._is_lamp_dead = False
         self.outputs: dict[int, bool] = {}
         self._asked_reference: Callable[[], bool] = _unreferenced
         self._is_lit = False
@@ -99,7 +100,7 @@ class World:
         joints = self.joints_deg(now_s)
         opening_mm = self.opening_mm(now_s)
         picture = self.picture
-        is_lit = self.outputs.get(self._profile.outputs.lights, False)
+        is_lit = self.outputs.get(self._profile.outputs.lights, False) and not self._is_lamp_dead
         last = self._scene
         blocks = self._scene_blocks(now_s)
         if (
@@ -246,6 +247,10 @@ class World:
         self._settle(now_s)
         self._opening_mm = self.opening_mm(now_s)
         self._closing = None
+
+    def burn_out_lamps(self) -> None:
+        """Let the lamps stay dark from now on, whatever their output is."""
+        self._is_lamp_dead = True
 
     def jam_fingers(self, *, are_jammed: bool) -> None:
         """Have something block the fingers both ways, or take it away."""

@@ -130,10 +130,14 @@ class Conversation:
             except (DeviceError, LinkError) as error:
                 if not _may_repeat(error, is_once=is_once):
                     raise
-                self._on_repeat(self._device, told(error))
+                self.tell_repeated(error)
                 if isinstance(error, LinkError):
                     self._clock.sleep(LINK_PAUSE_S * tried)
         return self._ask_once(data, code, timeout_s)
+
+    def tell_repeated(self, error: DeviceError | LinkError) -> None:
+        """Tell that something is asked again, for a caller who repeats it in a way of its own."""
+        self._on_repeat(self._device, told(error))
 
     def _ask_once(self, data: bytes, code: int, timeout_s: float) -> Answer:
         self._drain()

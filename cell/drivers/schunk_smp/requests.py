@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TypeVar
 
 from cell.clock import Clock
@@ -121,10 +120,12 @@ class ModuleRequests:
         told_off = 0
         for _ in range(_TOGGLES):
             # A lost answer tells nothing, but the next one tells how it is then.
-            with suppress(DeviceTimeout):
+            try:
                 if self._ask_for(ToggleImpulses(), ImpulsesSwitched).are_on:
                     return
                 told_off += 1
+            except DeviceTimeout as error:
+                self._conversation.tell_repeated(error)
             if told_off == 2:
                 break
         raise self.error("its spontaneous messages cannot be switched on", None)
