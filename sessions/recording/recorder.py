@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import logging
 import struct
+import threading
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -49,10 +50,10 @@ def _wire_message(pieces: int) -> struct.Struct:
 class SessionRecorder:
     """The journal of one session, kept in one MCAP file.
 
-    All methods, the tap among them, belong to the thread that has the cell; only views
-    are finished by another. A disk that fails must not stop an arm: the first failure is
-    logged, nothing more is written, and the file stays without its summary ("not
-    finished").
+    The conversation belongs to the thread that has the cell. The tap may be used by several
+    threads at once, as devices that come up at the same time do; views are finished by
+    another. A disk that fails must not stop an arm: the first failure is logged, nothing more
+    is written, and the file stays without its summary ("not finished").
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class SessionRecorder:
             RecordingError: The file cannot be written.
         """
         self._file = file
+        self._lock = threading.RLock()
         self._now_s = clock.now_s
         self._counts = file.message_counts
         self._parts: list[bytes] = []
@@ -117,65 +119,70 @@ class SessionRecorder:
 
     def received(self, line: bytes) -> None:
         """Note a line of the client (without its LF); it begins a step."""
-        self.settled()
-        self._step = (self._step + 1) & 0xFFFFFFFF
-        self._note(self._received, self._now_s(), line)
+        with self._lock:
+            self.settled()
+            self._step = (self._step + 1) & 0xFFFFFFFF
+            self._note(self._received, self._now_s(), line)
 
     def replied(self, reply: Reply) -> None:
         """Note the reply to the last line and write both to the file."""
-        now_s = self._now_s()
-        flags = layout.REPLY_CLOSES if reply.closes else 0
-        if reply.view is not None and self._failure is None:
-            flags |= layout.REPLY_HAS_VIEW
-            self._note(self._view_sent, now_s, self._hand_over(reply.view, reply.data))
-        head = layout.REPLY_HEAD.pack(flags, len(reply.data))
-        self._note(self._replied, now_s, head + reply.text)
-        self._write(self._parts)
+        with self._lock:
+            now_s = self._now_s()
+            flags = layout.REPLY_CLOSES if reply.closes else 0
+            if reply.view is not None and self._failure is None:
+                flags |= layout.REPLY_HAS_VIEW
+                self._note(self._view_sent, now_s, self._hand_over(reply.view, reply.data))
+            head = layout.REPLY_HEAD.pack(flags, len(reply.data))
+            self._note(self._replied, now_s, head + reply.text)
+            self._write(self._parts)
 
     def settled(self) -> None:
         """Write what happened on the wires and in the cell since the last time."""
-        if self._run:
-            self._end_run()
-        self._note_events()
-        if self._traffic:
-            self._flush()
+        with self._lock:
+            if self._run:
+                self._end_run()
+            self._note_events()
+            if self._traffic:
+                self._flush()
 
     def wire(self, link: str, direction: Direction, data: bytes) -> None:
         """Note bytes on the wire of a device; after the end of the session they are not noted."""
-        # Called for every piece of traffic: what can wait until the step is written, waits.
-        if link != self._run_link or len(self._run_data) >= _RUN_PIECES:
-            if self._is_closed:
-                return
-            if self._run:
-                self._end_run()
-            if len(self._traffic) >= _FLUSH_PARTS:
-                self._flush()
-            self._run_link = link
-        self._run += (direction == "from_device", self._now_s(), len(data))
-        self._run_data.append(data)
+        with self._lock:
+            # Called for every piece of traffic: what can wait until the step is written, waits.
+            if link != self._run_link or len(self._run_data) >= _RUN_PIECES:
+                if self._is_closed:
+                    return
+                if self._run:
+                    self._end_run()
+                if len(self._traffic) >= _FLUSH_PARTS:
+                    self._flush()
+                self._run_link = link
+            self._run += (direction == "from_device", self._now_s(), len(data))
+            self._run_data.append(data)
 
     def close(self, reason: str) -> None:
         """Write what is left, the summary, and close the file; closing twice is harmless."""
-        if self._is_closed:
-            return
-        self._is_closed = True
-        self.settled()
-        self._run_link = ""
-        self._unsubscribe()
-        self._flush()
-        try:
-            self._views.close()
-        except RecordingError as error:
-            self._fail(error)
-        ended = {
-            "reason": reason,
-            "lines": self._step,
-            "views": self._views.count,
-            "events_lost": self._subscription.dropped,
-        }
-        self._note(self._ended, self._now_s(), json.dumps(ended).encode("ascii"))
-        self._flush()
-        self._finish()
+        with self._lock:
+            if self._is_closed:
+                return
+            self._is_closed = True
+            self.settled()
+            self._run_link = ""
+            self._unsubscribe()
+            self._flush()
+            try:
+                self._views.close()
+            except RecordingError as error:
+                self._fail(error)
+            ended = {
+                "reason": reason,
+                "lines": self._step,
+                "views": self._views.count,
+                "events_lost": self._subscription.dropped,
+            }
+            self._note(self._ended, self._now_s(), json.dumps(ended).encode("ascii"))
+            self._flush()
+            self._finish()
 
     def _finish(self) -> None:
         if self._failure is not None:

@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -257,3 +259,32 @@ def test_a_recording_is_never_overwritten(tmp_path: Path) -> None:
     a_recording(tmp_path)
     with pytest.raises(RecordingError, match="cannot be created"):
         a_bench(tmp_path)
+
+
+def test_devices_that_come_up_at_the_same_time_lose_no_byte(tmp_path: Path) -> None:
+    bench = a_bench(tmp_path)
+    links = ("arm", "gripper", "display")
+    pieces = {link: [f"{link} {n};".encode() for n in range(3000)] for link in links}
+    together = threading.Barrier(len(links))
+
+    def talk(link: str) -> None:
+        together.wait()
+        for number, piece in enumerate(pieces[link]):
+            bench.recorder.wire(link, "from_device" if number % 2 else "to_device", piece)
+
+    interval_s = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(len(links)) as pool:
+            for done in [pool.submit(talk, link) for link in links]:
+                done.result()
+    finally:
+        sys.setswitchinterval(interval_s)
+    bench.recorder.close("over")
+    recording = SessionRecording.open(bench.path)
+    for link in links:
+        traffic = list(recording.wire(link))
+        assert [piece.data for piece in traffic] == pieces[link]
+        assert [piece.direction for piece in traffic[:2]] == ["to_device", "from_device"]
+        times = [piece.time_ns for piece in traffic]
+        assert times == sorted(times)
