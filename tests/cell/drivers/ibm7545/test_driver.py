@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from cell.drivers.ibm7545.driver import Ibm7545Arm
 from cell.drivers.ibm7545.gripper import RegisterGripper
 from cell.drivers.ibm7545.outputs import FLUORESCENT, GRIPPER, HALOGEN
 from cell.drivers.ibm7545.registers import MOTOR_POWER_OFF, Fault, Lamp, Register, explain
@@ -269,3 +270,26 @@ def test_every_error_bit_has_words_and_a_hint(bit: Fault) -> None:
     assert text
     assert hint
     assert explain(int(bit) | MOTOR_POWER_OFF)[0] == f"{explain(MOTOR_POWER_OFF)[0]}; {text}"
+
+
+def test_a_new_driver_takes_a_known_home_over_and_moves_nothing() -> None:
+    bench = opened()
+    bench.arm.move_joints(joints(10, 10, -10, 5))
+    fresh = Ibm7545Arm(bench.bus, KINEMATICS, bench.clock, SETTINGS, on_warning=lambda text: None)
+    assert fresh.knows_position()
+    fresh.open()
+    assert fresh.read_joints().values == pytest.approx((10, 10, -10, 5), abs=0.01)
+
+
+def test_a_home_that_was_not_found_is_known_to_no_later_driver() -> None:
+    bench = opened()
+    bench.slave.switch(bench.clock.now_s(), is_on=False)
+    bench.slave.switch(bench.clock.now_s(), is_on=True)
+    bench.bus.write(Register.SAMPLE_PERIOD, (SETTINGS.period_us + 1,))
+    bench.token.stop("a test")
+    with pytest.raises(Stopped):
+        bench.arm.open()
+    fresh = Ibm7545Arm(bench.bus, KINEMATICS, bench.clock, SETTINGS, on_warning=lambda text: None)
+    assert not fresh.knows_position()
+    with pytest.raises(DeviceRestarted, match="does not know where home is"):
+        fresh.reopen()
