@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from console.options import AsJson, ProfileName
+from console.options import AsJson, ProfileName, WiresOption
 from console.output import put, put_json
-from console.places import cell_folder
 
 
-def clean(*, script: str = "mash", profile: ProfileName = "mash", as_json: AsJson = False) -> None:
+def clean(
+    *,
+    script: str = "mash",
+    profile: ProfileName = "mash",
+    wires: WiresOption = "memory",
+    as_json: AsJson = False,
+) -> None:
     """Bring every block that lies out back to its slot.
 
     Works after a crash, too: the ledger knows where the blocks are.
@@ -15,22 +20,13 @@ def clean(*, script: str = "mash", profile: ProfileName = "mash", as_json: AsJso
     Args:
         script: The script whose store it is; path, or the name of a shipped one.
         profile: Profile of the cell.
+        wires: How devices are reached.
         as_json: Write JSON for programs.
     """
-    from cell.assembly import assemble_twin
-    from cell.clock import SimulatedClock
     from cell.profile import load_profile
-    from console.scripts import load_script
-    from sessions.hosting import store_plan
+    from console.assembling import assemble, clock_for
 
-    used = load_profile(profile)
-    cell = assemble_twin(
-        used,
-        store_plan(load_script(script)),
-        seed=0,
-        clock=SimulatedClock(),
-        state_folder=cell_folder(used.name),
-    )
+    cell = assemble(load_profile(profile), script, wires, clock_for(wires))
     try:
         cell.open()
         slots = cell.clean()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from console.exits import ConsoleError, Exit
-from console.options import AsJson, ProfileName
+from console.options import AsJson, ProfileName, WiresOption
 from console.output import put, put_json, put_table, say
 from console.places import cell_folder
 
@@ -27,6 +27,7 @@ def run(
         list[str] | None,
         Parameter(negative="", help="A component to test, such as arm; may be given again."),
     ] = None,
+    wires: WiresOption = "memory",
     as_json: AsJson = False,
 ) -> int:
     """Test every component now, as the watchdog does between sessions.
@@ -35,30 +36,21 @@ def run(
         profile: Profile of the cell.
         script: The script whose store it is; path, or the name of a shipped one.
         only: Components to test; all unless given.
+        wires: How devices are reached.
         as_json: Write JSON for programs.
     """
     from contextlib import nullcontext
 
-    from cell.assembly import assemble_twin
-    from cell.clock import SimulatedClock
     from cell.profile import load_profile
     from cell.watchdog import WireLog, component_tests
-    from console.scripts import load_script
-    from sessions.hosting import store_plan, versions
+    from console.assembling import assemble, clock_for
+    from sessions.hosting import versions
     from sessions.watching import watch
 
     used = load_profile(profile)
-    clock = SimulatedClock()
+    clock, folder = clock_for(wires), cell_folder(used.name)
     wire = WireLog(clock)
-    folder = cell_folder(used.name)
-    cell = assemble_twin(
-        used,
-        store_plan(load_script(script)),
-        seed=0,
-        clock=clock,
-        state_folder=folder,
-        tap=wire,
-    )
+    cell = assemble(used, script, wires, clock, wire)
     try:
         known = [test.component for test in component_tests(cell)]
         unknown = sorted(set(only or ()) - set(known))
