@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -73,7 +73,7 @@ def assemble_hardware(
             loom.links,
             clock,
             stop,
-            on_warning=_warn,
+            on_warning=_warner(),
             on_repeat=FaultReporter(events).repeated,
         )
         cell = RobotCell(
@@ -94,5 +94,13 @@ def assemble_hardware(
     return cell
 
 
-def _warn(text: str) -> None:
-    _log.warning("%s", text)
+def _warner() -> Callable[[str], None]:
+    """Return what logs a driver's warning, once, however often it opens."""
+    told: set[str] = set()
+
+    def warn(text: str) -> None:
+        if text not in told:
+            told.add(text)
+            _log.warning("%s", text)
+
+    return warn

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from cell.drivers.melfa_r3.codec import GarbledMessage
 from cell.drivers.melfa_r3.fields import whole_field
+
+_REMEMBERED = 256
+"""Polls see the same few states again and again; reading one costs more than finding it."""
 
 
 class ShortState(NamedTuple):
@@ -18,6 +22,7 @@ class ShortState(NamedTuple):
     mechanism: str = "0"
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def parse_short_state(data: str) -> ShortState:
     """Read the data of a DSTATE reply.
 
@@ -74,6 +79,7 @@ class FullState(NamedTuple):
     mechanism: str
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def parse_full_state(data: str) -> FullState:
     """Read the data of a STATE reply.
 
@@ -107,6 +113,7 @@ def parse_full_state(data: str) -> FullState:
         raise GarbledMessage(f"the state reads {data[:120]!r}") from problem
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def print_full_state(state: FullState) -> str:
     """Return the data of a STATE reply."""
     return ";".join(

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from cell.drivers.ibm7545.registers import OVERRUN_MAX, OVERRUN_MIN
 from cell.profile.ibm7545 import Four, Ibm7545Profile
+from cell.twin.emulators.uart import line_byte_s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +55,4 @@ class SlaveSettings:
     @staticmethod
     def from_profile(profile: Ibm7545Profile) -> SlaveSettings:
         """Return the settings of the arm that a profile describes."""
-        serial = profile.serial
-        bits = 1 + serial.data_bits + (serial.parity != "none") + serial.stop_bits
-        return SlaveSettings(byte_s=bits / serial.baud)
+        return SlaveSettings(byte_s=line_byte_s(profile.serial))

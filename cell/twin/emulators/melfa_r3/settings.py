@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from cell.drivers.melfa_r3.records import Identity
 from cell.profile import MelfaProfile
 from cell.twin.bodies import JointTuple
-
-_BITS_A_BYTE = {("none", 1): 10, ("none", 2): 11, ("even", 1): 11, ("even", 2): 12}
+from cell.twin.emulators.uart import line_byte_s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,9 +77,6 @@ class ControllerSettings:
     @staticmethod
     def from_profile(profile: MelfaProfile) -> ControllerSettings:
         """Return the settings of the controller that a profile describes."""
-        serial = profile.serial
-        parity = "none" if serial.parity == "none" else "even"
-        bits = _BITS_A_BYTE[parity, serial.stop_bits] - (8 - serial.data_bits)
         return ControllerSettings(
             robot=profile.robot,
             joint_min_deg=profile.joint_min_deg,
@@ -90,5 +86,5 @@ class ControllerSettings:
             tool_mm=profile.tool_mm,
             tools={1: profile.tool_mm},
             safe_deg=profile.rest_deg,
-            byte_s=bits / serial.baud,
+            byte_s=line_byte_s(profile.serial),
         )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from cell.drivers.schunk_smp.tables import Group, UserLevel
 from cell.profile import GripperProfile
-from cell.twin.emulators.uart import byte_time_s
+from cell.twin.emulators.uart import line_byte_s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,14 +73,8 @@ class SchunkModuleSettings:
     @classmethod
     def from_profile(cls, profile: GripperProfile) -> SchunkModuleSettings:
         """Return settings for the gripper of a profile."""
-        serial = profile.serial
         return cls(
             module_id=profile.module_id,
             stroke_mm=profile.stroke_mm,
-            byte_s=byte_time_s(
-                baud=serial.baud,
-                data_bits=serial.data_bits,
-                parity=serial.parity,
-                stop_bits=serial.stop_bits,
-            ),
+            byte_s=line_byte_s(profile.serial),
         )

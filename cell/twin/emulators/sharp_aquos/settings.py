@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from cell.drivers.sharp_aquos.tables import HDMI_FIRST, INPUTS_OF_MODEL, InputMap, Permission
 from cell.profile import DisplayProfile
-from cell.twin.emulators.uart import byte_time_s
+from cell.twin.emulators.uart import line_byte_s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,13 +40,7 @@ class SharpTelevisionSettings:
     @classmethod
     def from_profile(cls, profile: DisplayProfile) -> SharpTelevisionSettings:
         """Return settings for the television of a profile."""
-        serial = profile.serial
         return cls(
             inputs=INPUTS_OF_MODEL[profile.model],
-            byte_s=byte_time_s(
-                baud=serial.baud,
-                data_bits=serial.data_bits,
-                parity=serial.parity,
-                stop_bits=serial.stop_bits,
-            ),
+            byte_s=line_byte_s(profile.serial),
         )

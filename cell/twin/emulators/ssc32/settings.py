@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cell.profile.lynx import LynxProfile
-from cell.twin.emulators.uart import byte_time_s
+from cell.twin.emulators.uart import line_byte_s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,12 +29,4 @@ class Ssc32ControllerSettings:
     @staticmethod
     def from_profile(profile: LynxProfile) -> Ssc32ControllerSettings:
         """Return the settings of the controller that a profile describes."""
-        serial = profile.serial
-        return Ssc32ControllerSettings(
-            byte_s=byte_time_s(
-                baud=serial.baud,
-                data_bits=serial.data_bits,
-                parity=serial.parity,
-                stop_bits=serial.stop_bits,
-            )
-        )
+        return Ssc32ControllerSettings(byte_s=line_byte_s(profile.serial))
