@@ -10,6 +10,7 @@ import enum
 import random
 from collections import deque
 from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
 from cell.errors import LinkError
 from cell.links.base import Emulator
@@ -36,13 +37,26 @@ LASTING = frozenset({WireFault.SILENT, WireFault.POWER, WireFault.UNPLUGGED})
 """Faults that stay until they are cleared; the others happen to one reply."""
 
 
+_FOR_EVER_S = 1e12
+
+
+@runtime_checkable
+class HasMains(Protocol):
+    """An emulated device that forgets when it loses its power."""
+
+    def lose_power(self, now_s: float, *, for_s: float) -> None:
+        """Be without power from `now_s` on, and have it back `for_s` seconds later."""
+
+
 class FaultyEmulator:
     """An emulator behind a wire that can be made to fail.
 
     Without a fault it adds nothing and changes nothing. A fault of one reply waits for the
     next bytes that the device sends; several wait in line. While the cable is out, using the
     wire is a LinkError, in memory and behind a pseudo-terminal alike; a device without power
-    hears and says nothing, but its port stays where it is. What the device says during a
+    hears and says nothing, but its port stays where it is; if it is a device that forgets
+    without power, it does so as soon as somebody uses the wire, and starts anew when the power
+    is back. What the device says during a
     lasting fault is lost for good.
 
     Args:
@@ -58,6 +72,7 @@ class FaultyEmulator:
         self._held: deque[tuple[float, bytes]] = deque()
         self._is_trickling = False
         self._is_stale = False
+        self._is_dead = False
         self._on_cable: list[Callable[[bool], None]] = []
 
     @property
@@ -107,6 +122,7 @@ class FaultyEmulator:
             LinkError: The cable is out.
         """
         if self._lasting:
+            self._lose_power(now_s)
             self._require_plugged()
             return
         if self._is_stale:
@@ -121,6 +137,8 @@ class FaultyEmulator:
         """
         if self._is_stale:
             self._drop_stale(now_s)
+        if self._lasting:
+            self._lose_power(now_s)
         data = self._emulator.transmit(now_s)
         if not (self._lasting or self._waiting or self._held):
             return data
@@ -178,9 +196,20 @@ class FaultyEmulator:
             self._is_trickling = False
         return due + data
 
+    def _lose_power(self, now_s: float) -> None:
+        """Let a device without power know it, once."""
+        if WireFault.POWER in self._lasting and not self._is_dead:
+            self._is_dead = True
+            if isinstance(self._emulator, HasMains):
+                self._emulator.lose_power(now_s, for_s=_FOR_EVER_S)
+
     def _drop_stale(self, now_s: float) -> None:
-        """Throw away what left the device while nothing could arrive."""
+        """Throw away what left the device while nothing could arrive; start it, if it was off."""
         self._is_stale = False
+        if self._is_dead and WireFault.POWER not in self._lasting:
+            self._is_dead = False
+            if isinstance(self._emulator, HasMains):
+                self._emulator.lose_power(now_s, for_s=0.0)
         self._emulator.transmit(now_s)
 
     def _tell_cable(self) -> None:

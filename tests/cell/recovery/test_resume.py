@@ -121,3 +121,31 @@ def test_a_silent_gripper_means_that_nobody_knows_what_it_holds(rig: FaultRig) -
         rig.cell.clean()
     rig.behind.wires["gripper"].clear()
     rig.cell.clean()
+
+
+@pytest.mark.parametrize("device", ["arm", "gripper", "display"])
+def test_a_device_whose_power_was_away_has_forgotten_and_is_brought_up_again(
+    rig: FaultRig, device: str
+) -> None:
+    wire = rig.behind.wires[device]
+    wire.inject(WireFault.POWER)
+    uses: dict[str, Callable[[], None]] = {
+        "arm": lambda: rig.cell.move_to(650.0, -105.0, 150.0),
+        "gripper": lambda: rig.cell.gripper.move_to(20.0),
+        "display": lambda: rig.cell.show("water"),
+    }
+    use = uses[device]
+    with pytest.raises(DeviceError):
+        use()
+    assert rig.cell.arm.is_held
+    if device == "display":
+        assert not rig.behind.television.is_on
+    else:
+        assert not rig.cell.world.is_gripper_referenced
+    wire.clear()
+    if device == "display":
+        # Without permission from before, this set is switched on by hand once.
+        rig.behind.television.press_power(rig.now_s())
+    use()
+    rig.cell.clean()
+    assert not rig.cell.arm.is_held

@@ -96,6 +96,7 @@ class SharpTelevision:
         self._due: dict[_Due, float] = {}
         self._is_silent = False
         self._corrupted = 0
+        self._unpowered_until_s = 0.0
 
     @property
     def is_on(self) -> bool:
@@ -124,8 +125,10 @@ class SharpTelevision:
     # The wire
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take bytes that arrive at `now_s`."""
+        """Take bytes that arrive at `now_s`; without mains they are lost."""
         self._catch_up(now_s)
+        if now_s < self._unpowered_until_s:
+            return
         heard_s = now_s + len(data) * self._settings.byte_s
         for line in self._reader.feed(data):
             self._handle(line, now_s, heard_s)
@@ -161,6 +164,12 @@ class SharpTelevision:
         self._permission = Permission.NONE
         self._transmitter.clear()
         self._reader.clear()
+
+    def lose_power(self, now_s: float, *, for_s: float) -> None:
+        """Take the mains away for a time, or say anew for how long; what is heard is lost."""
+        if now_s >= self._unpowered_until_s:
+            self.unplug(now_s)
+        self._unpowered_until_s = now_s + for_s
 
     def press_power(self, now_s: float) -> None:
         """Press the power key on the set."""
