@@ -162,9 +162,13 @@ class FakePage(DistantPage):
         self._screen = screen
 
     def __enter__(self) -> Self:
-        known = len(self._screen.pages())
+        # By number, not by count: a page that has just left may still be among them.
+        known = {page.page for page in self._screen.pages()}
         super().__enter__()
-        await_pages(self._screen, lambda pages: len(pages) > known and all(p.view for p in pages))
+        await_pages(
+            self._screen,
+            lambda pages: any(p.page not in known and p.view is not None for p in pages),
+        )
         return self
 
 
