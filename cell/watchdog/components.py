@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +78,7 @@ def _test_gripper(cell: RobotCell, pictures: list[Frame]) -> str:
 def _test_display(cell: RobotCell, pictures: list[Frame]) -> str:
     display = cell.display
     display.open()
+    was_on = False
     try:
         was_on = display.is_on()
         for is_on in (True, False):
@@ -85,9 +86,10 @@ def _test_display(cell: RobotCell, pictures: list[Frame]) -> str:
             if display.is_on() != is_on:
                 wanted = "on" if is_on else "off"
                 raise DeviceError("display", f"does not go {wanted}, though it says it would")
-        if was_on:
-            display.switch_on()
     finally:
+        with suppress(CellError):
+            if was_on:
+                display.switch_on()
         display.close()
     return "went on and off"
 
@@ -158,22 +160,25 @@ def _mean(frame: Frame) -> float:
 
 @contextmanager
 def _lights_if_possible(cell: RobotCell) -> Iterator[bool]:
-    """Light the cell, if the arm's controller that switches the lights answers."""
-    if not cell.profile.arm.enabled:
-        yield False
-        return
-    try:
-        cell.arm.open()
-        cell.switch_lights(is_on=True)
-    except CellError:
-        yield False  # The arm's own test tells of it.
-        return
-    try:
-        yield True
-    finally:
-        with suppress(CellError):
-            cell.switch_lights(is_on=False)
-            cell.arm.close()
+    """Light the cell, if the arm's controller that switches the lights answers.
+
+    What fails here is told by the tests of arm and lights.
+    """
+    with ExitStack() as undo:
+        is_lit = False
+        if cell.profile.arm.enabled:
+            with suppress(CellError):
+                undo.callback(_quietly, cell.arm.close)
+                cell.arm.open()
+                undo.callback(_quietly, lambda: cell.switch_lights(is_on=False))
+                cell.switch_lights(is_on=True)
+                is_lit = True
+        yield is_lit
+
+
+def _quietly(do: Callable[[], None]) -> None:
+    with suppress(CellError):
+        do()
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cell.watchdog.history import History
 from cell.watchdog.report import Report, ReportUndelivered
 from cell.watchdog.reporters.base import Reporter
-from cell.watchdog.stored import read_report, write_report
+from cell.watchdog.stored import UnreadableReport, read_report, write_report
 
 FIRST_PAUSE_S = 60.0
 LONGEST_PAUSE_S = 3600.0
@@ -109,8 +109,12 @@ class Outbox:
             ).fetchall()
         arrived = 0
         for fault, stored, attempts, reference, attached in due:
+            if not self._claim(name, fault, attempts):
+                continue  # Another process sends it.
             try:
                 self._send(tracker, fault, read_report(stored), attempts, reference, attached)
+            except UnreadableReport as error:
+                self._postpone(name, fault, attempts, ReportUndelivered(str(error), is_final=True))
             except ReportUndelivered as error:
                 self._postpone(name, fault, attempts, error)
                 if not error.is_final:
@@ -118,6 +122,22 @@ class Outbox:
             else:
                 arrived += 1
         return arrived
+
+    def _claim(self, name: str, fault: int, attempts: int) -> bool:
+        """Take a report for sending; return whether no other process has taken it first.
+
+        A claim is an attempt counted and a pause, so that a process that dies leaves it due.
+        """
+        with self._history.transaction() as database:
+            taken = database.execute(
+                "UPDATE outgoing SET attempts = ?, due_s = ? "
+                "WHERE reporter = ? AND fault = ? AND attempts = ? AND is_done = 0 AND due_s <= ?",
+                (
+                    attempts + 1, self._now_s() + FIRST_PAUSE_S,
+                    name, fault, attempts, self._now_s(),
+                ),
+            )  # fmt: skip
+        return taken.rowcount == 1
 
     def _send(
         self,
@@ -129,7 +149,6 @@ class Outbox:
         attached: int,
     ) -> None:
         if not reference:
-            self._set(tracker.name, fault, "attempts = ?", attempts + 1)
             reference = tracker.file(report, may_be_known=attempts > 0)
             self._set(tracker.name, fault, "reference = ?", reference)
         if tracker.attaches:

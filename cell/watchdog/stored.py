@@ -5,9 +5,13 @@ from __future__ import annotations
 import base64
 import json
 
+from cell.errors import CellError
 from cell.watchdog.evidence import Attachment
-from cell.watchdog.history import HistoryError
 from cell.watchdog.report import Report
+
+
+class UnreadableReport(CellError):
+    """A report that waits on disk cannot be read."""
 
 
 def write_report(report: Report) -> bytes:
@@ -35,7 +39,7 @@ def read_report(stored: bytes) -> Report:
     """Read a report back.
 
     Raises:
-        HistoryError: The bytes are none.
+        UnreadableReport: The bytes are none.
     """
     try:
         fields = json.loads(stored)
@@ -52,4 +56,6 @@ def read_report(stored: bytes) -> Report:
             ),
         )
     except (ValueError, KeyError, TypeError) as error:
-        raise HistoryError(f"a report that waits cannot be read ({error!r})") from error
+        raise UnreadableReport(
+            f"the report that waits on disk cannot be read ({error!r})"
+        ) from error

@@ -110,10 +110,12 @@ class Watchdog:
             number = self._history.next_round()
             records: list[TestRecord] = []
             failed: set[str] = set()
-            for test in component_tests(self._cell):
+            tests = component_tests(self._cell)
+            wanted = set(only) | {test.needs for test in tests if test.component in only}
+            for test in tests:
                 if self._stop_asked:
                     break
-                if only and test.component not in only:
+                if only and test.component not in wanted:
                     continue
                 record = self._test(test, number, failed)
                 if record.outcome != "ok":

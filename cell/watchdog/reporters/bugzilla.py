@@ -28,7 +28,7 @@ class Bugzilla:
 
     def __init__(self, profile: BugzillaProfile, environment: Mapping[str, str] = os.environ):
         self._profile = profile
-        self._key = environment.get(profile.key_variable, "")
+        self._key = environment.get(profile.key_variable, "").strip()
         self._rest = profile.url.rstrip("/") + "/rest"
         headers = {"X-BUGZILLA-API-KEY": self._key} if self._key else {}
         self._client = JsonClient(f"Bugzilla at {profile.url}", profile.timeout_s, headers)

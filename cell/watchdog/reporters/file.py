@@ -39,7 +39,8 @@ class ReportFile:
             fields = {**report_as_dict(report), "attachments": [a.name for a in report.attachments]}
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with self._path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(fields) + "\n")
+                # Half a line, left by a crash or a full disk, must not swallow this one.
+                file.write(("" if self._ends_whole() else "\n") + json.dumps(fields) + "\n")
                 file.flush()
                 os.fsync(file.fileno())
         except OSError as error:
@@ -59,9 +60,24 @@ class ReportFile:
         except OSError as error:
             raise ReportUndelivered(f"{folder} cannot be written: {error.strerror}") from error
 
+    def _ends_whole(self) -> bool:
+        with self._path.open("rb") as file:
+            if file.seek(0, os.SEEK_END) == 0:
+                return True
+            file.seek(-1, os.SEEK_END)
+            return file.read(1) == b"\n"
+
     def _has(self, alias: str) -> bool:
         if not self._path.exists():
             return False
-        wanted = json.dumps(alias)
         with self._path.open(encoding="utf-8", errors="replace") as file:
-            return any(f'"alias": {wanted}' in line for line in file)
+            return any(_alias_of(line) == alias for line in file)
+
+
+def _alias_of(line: str) -> str:
+    """Return the alias of a whole line; half a line has none."""
+    try:
+        fields = json.loads(line)
+    except ValueError:
+        return ""
+    return str(fields.get("alias", "")) if isinstance(fields, dict) else ""

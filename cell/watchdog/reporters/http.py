@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import json
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http.client import HTTPException
+from typing import Protocol
 
 from cell.watchdog.report import ReportUndelivered
 
 _MOST_ANSWER_BYTES = 1 << 20
+_PIECE_BYTES = 1 << 14
+
+
+class _Readable(Protocol):
+    def read1(self, count: int, /) -> bytes: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,21 +73,46 @@ class JsonClient:
         return self._exchange(url, None)
 
     def _exchange(self, url: str, body: bytes | None) -> Answer:
+        deadline_s = time.monotonic() + self._timeout_s
         try:
             request = urllib.request.Request(url, data=body, headers=self._headers)  # noqa: S310
             with self._opener.open(request, timeout=self._timeout_s) as response:
-                return Answer(response.status, _fields(response.read(_MOST_ANSWER_BYTES)))
+                return Answer(response.status, _fields(_body(response, deadline_s)))
         except urllib.error.HTTPError as error:
             with error:
-                return Answer(error.code, _fields(_rest(error)))
-        except (OSError, HTTPException, ValueError) as error:
+                return Answer(error.code, _fields(_rest(error, deadline_s)))
+        except (OSError, HTTPException) as error:
             reason = getattr(error, "reason", error)
             raise ReportUndelivered(f"{self._who} does not answer: {reason}") from error
+        except ValueError as error:
+            # Its text may hold what was sent, a key among it.
+            raise ReportUndelivered(
+                f"{self._who} cannot be asked: its address or key holds characters that HTTP "
+                "does not carry",
+                is_final=True,
+            ) from error
 
 
-def _rest(error: urllib.error.HTTPError) -> bytes:
+def _body(response: _Readable, deadline_s: float) -> bytes:
+    """Return a body that has come by a deadline, however slowly it trickles in.
+
+    Raises:
+        TimeoutError: It had not come by then.
+    """
+    body = b""
+    while len(body) < _MOST_ANSWER_BYTES:
+        piece = response.read1(_PIECE_BYTES)
+        if not piece:
+            break
+        body += piece
+        if time.monotonic() > deadline_s:
+            raise TimeoutError("its answer trickles in too slowly")
+    return body
+
+
+def _rest(error: urllib.error.HTTPError, deadline_s: float) -> bytes:
     try:
-        return error.read(_MOST_ANSWER_BYTES)
+        return error.read(_MOST_ANSWER_BYTES) if time.monotonic() < deadline_s else b""
     except (OSError, HTTPException):
         return b""
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Literal
 from urllib.parse import parse_qs, urlsplit
 
-Mood = Literal["up", "refuses", "overloaded", "drops", "deaf after filing", "garbage"]
-"""`deaf after filing`: the bug is filed, and the connection dies before the answer."""
+Mood = Literal["up", "refuses", "overloaded", "drops", "deaf after filing", "garbage", "trickles"]
+"""`trickles`: the answer comes byte by byte, each within any deadline for one.
+
+`deaf after filing`: the bug is filed, and the connection dies before the answer."""
 
 KEY = "sesame"
 REQUIRED = ("product", "component", "summary", "version")
@@ -32,6 +35,7 @@ class BugzillaStandIn:
         self.bugs: list[Bug] = []
         self.mood: Mood = "up"
         self.requests = 0
+        self.is_closing = threading.Event()
         self._knows_header = knows_header
         self._lock = threading.Lock()
         stand_in = self
@@ -49,6 +53,7 @@ class BugzillaStandIn:
         return f"http://127.0.0.1:{self._server.server_address[1]}"
 
     def close(self) -> None:
+        self.is_closing.set()
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
@@ -147,10 +152,22 @@ class _Handler(BaseHTTPRequestHandler):
         if mood == "deaf after filing":
             self.close_connection = True
             return
+        if mood == "trickles":
+            self._trickle()
+            return
         if mood == "garbage":
             self._send(200, b"<html>gateway</html>")
             return
         self._reply(status, answer)
+
+    def _trickle(self) -> None:
+        self.send_response(200)
+        self.end_headers()
+        self.close_connection = True
+        with suppress(OSError):  # Until the client has had enough.
+            while not self.bugzilla.is_closing.wait(0.02):
+                self.wfile.write(b" ")
+                self.wfile.flush()
 
     def _reply(self, status: int, answer: Mapping[str, object]) -> None:
         self._send(status, json.dumps(answer).encode())

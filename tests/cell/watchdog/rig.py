@@ -77,6 +77,6 @@ def bugzilla_at(
         url=stand_in.url,
         product=fields.get("product", "Robots"),
         component=fields.get("component", "Cell"),
-        timeout_s=2.0,
+        timeout_s=float(fields.get("timeout_s", 2.0)),
     )
     return Bugzilla(profile, {profile.key_variable: KEY} if environment is None else environment)
