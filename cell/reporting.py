@@ -7,6 +7,7 @@ import logging
 from cell.events import (
     ArmHeld,
     Body,
+    DeviceFailed,
     DeviceRecovered,
     DeviceSkipped,
     EventBus,
@@ -34,6 +35,14 @@ class FaultReporter:
     def held(self, reason: str) -> None:
         """Tell that the arm stands still until a check."""
         self._tell(ArmHeld(reason), f"held: {reason}")
+
+    def not_stopped(self, problem: str) -> None:
+        """Tell that the arm could not be told to stop, and so may still be moving."""
+        self._tell(
+            DeviceFailed("arm", f"could not be stopped: {problem}"),
+            "arm: could not be told to stop, it may still be on its way; use the emergency stop "
+            f"if it must not be: {problem}",
+        )
 
     def checked(self, *, is_clear: bool, detail: str, is_routine: bool = False) -> None:
         """Tell what the check before going on has found.

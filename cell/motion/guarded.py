@@ -22,7 +22,7 @@ from cell.errors import (
     Stopped,
     UnreachablePose,
 )
-from cell.events import DeviceFailed, EventBus, MotionFinished, MotionRejected
+from cell.events import EventBus, MotionFinished, MotionRejected
 from cell.geometry import JointPositions, Pose
 from cell.motion.guard import GuardedMove
 from cell.motion.hold import Hold, ResumeGate
@@ -341,7 +341,7 @@ class GuardedArm:
         try:
             self._arm.stop()
         except CellError as error:
-            self._events.emit(DeviceFailed("arm", f"could not be stopped: {error}"))
+            self._reporter.not_stopped(str(error))
 
 
 def _absent(guard: MotionGuard, profile: MotionFigures, reporter: FaultReporter) -> Arm:
