@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import sys
 import tempfile
-import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from cell.assembly.models import EmulatedDevice
     from cell.clock import Clock
     from cell.links.base import Direction
+    from cell.stop import Bell
     from cell.store import StorePlan
     from cell.twin.serving.ends import DeviceEnd
     from cell.twin.serving.server import EmulatorServer
@@ -92,14 +92,16 @@ def emulate(
 
 
 @contextmanager
-def _stopping() -> Iterator[tuple[list[int], threading.Event]]:
-    """Collect SIGTERM and Ctrl-C for a while; the event is set when one has come."""
+def _stopping() -> Iterator[tuple[list[int], Bell]]:
+    """Collect SIGTERM and Ctrl-C for a while; the bell rings when one has come."""
+    from cell.stop import Bell
+
     received: list[int] = []
-    stopped = threading.Event()
+    stopped = Bell()
 
     def stop(number: int, frame: FrameType | None) -> None:
         received.append(number)
-        stopped.set()
+        stopped.ring()
 
     with signals_handled(stop):
         yield received, stopped
@@ -238,7 +240,7 @@ def _announce(
         sys.stdout.flush()
 
 
-def _watch(servers: list[EmulatorServer], stopped: threading.Event) -> None:
+def _watch(servers: list[EmulatorServer], stopped: Bell) -> None:
     """Wait until somebody stops the command; an emulator that ends by itself is an error."""
     while not stopped.wait(1.0):
         for server in servers:

@@ -14,6 +14,7 @@ from console.exits import ConsoleError, Exit
 from console.options import ProfileName
 from console.output import put, say
 from console.places import cell_folder
+from console.signals import signals_handled
 
 if TYPE_CHECKING:
     from cell.drivers.kiosk import KioskScreen
@@ -110,10 +111,5 @@ def _stopping() -> Iterator[list[int]]:
     def stop(number: int, frame: FrameType | None) -> None:
         received.append(number)
 
-    numbers = (signal.SIGTERM, signal.SIGINT)
-    before = {number: signal.signal(number, stop) for number in numbers}
-    try:
+    with signals_handled(stop):
         yield received
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

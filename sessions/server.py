@@ -15,6 +15,7 @@ from typing import Self
 
 from cell.clock import Clock, SystemClock
 from cell.profile import ServerProfile
+from cell.stop import Bell
 from sessions.connection import Connection, Conversation, TurnedAway
 from sessions.desk import Desk
 from sessions.errors import ServerError
@@ -81,6 +82,7 @@ class MasServer:
         self._ready = ready
         self._lock = threading.Lock()
         self._stopping = threading.Event()
+        self._bell = Bell()
         self._sockets: list[socket.socket] = []
         self._threads: list[threading.Thread] = []
         self._connections: dict[Connection, threading.Thread] = {}
@@ -121,12 +123,12 @@ class MasServer:
             self._ready(self._bound)
 
     def request_stop(self) -> None:
-        """Let `wait` return; fit for a signal handler."""
-        self._stopping.set()
+        """Let `wait` return; fit for a signal handler, as it takes no lock."""
+        self._bell.ring()
 
     def wait(self, timeout_s: float | None = None) -> bool:
         """Return True when somebody asks for a stop, or False after `timeout_s`."""
-        return self._stopping.wait(timeout_s)
+        return self._bell.wait(timeout_s)
 
     def close_idle(self) -> None:
         """Break off every connection that has been silent for longer than the limit."""
@@ -147,6 +149,7 @@ class MasServer:
             ServerError: They took longer; the cell may not be clean.
         """
         self._stopping.set()
+        self._bell.ring()
         self._close_listeners()
         with self._lock:
             running = tuple(self._connections)

@@ -1,7 +1,8 @@
 import pytest
 
 from cell.errors import CellError, Stopped
-from cell.stop import StopToken
+from cell.stop import Bell, StopToken
+from tests.cell.at_every_line import ends_although_interrupted
 
 
 def test_work_goes_on_until_somebody_asks_for_a_stop() -> None:
@@ -46,3 +47,34 @@ def test_a_stop_without_a_reason_is_one_all_the_same() -> None:
 
 def test_a_stop_is_an_error_of_the_cell() -> None:
     assert issubclass(Stopped, CellError)
+
+
+def test_a_token_may_be_stopped_within_any_moment_of_its_use() -> None:
+    token = StopToken()
+
+    def use() -> None:
+        token.stop("by the work")
+        token.clear()
+        token.stop("by the work")
+
+    assert ends_although_interrupted(use, lambda: token.stop("by a signal"))
+    assert token.is_set
+
+
+def test_a_bell_may_be_rung_within_any_moment_of_its_ringing_and_waiting() -> None:
+    bell = Bell()
+    assert not bell.wait(0.0)
+
+    def use() -> None:
+        bell.ring()
+        bell.wait()
+
+    assert ends_although_interrupted(use, bell.ring)
+    assert bell.wait()
+
+
+def test_a_rung_bell_wakes_everybody_who_comes_later() -> None:
+    bell = Bell()
+    bell.ring()
+    assert bell.wait(0.0)
+    assert bell.wait(0.0)

@@ -11,6 +11,7 @@ from sessions.connection import Connection
 from sessions.errors import LocalProtocolError, ServerError
 from sessions.journal import SessionStart
 from sessions.server import Listener, MasServer
+from tests.cell.at_every_line import ends_although_interrupted
 from tests.sessions.fakes import FakeCell, FakeJournal, make_desk
 from tests.sessions.serving import DEADLINE_S, RawClient, serving, until_alone, until_ready
 
@@ -425,6 +426,22 @@ def test_request_stop_lets_wait_return() -> None:
     with serving(make_desk(FakeCell())) as server:
         assert not server.wait(0)
         server.request_stop()
+        assert server.wait(0)
+
+
+def test_a_stop_may_be_asked_for_within_any_moment_of_asking_and_waiting_for_one() -> None:
+    with serving(make_desk(FakeCell())) as server:
+
+        def use() -> None:
+            server.request_stop()
+            server.wait()
+
+        assert ends_although_interrupted(use, server.request_stop)
+
+
+def test_a_shutdown_lets_wait_return() -> None:
+    with serving(make_desk(FakeCell())) as server:
+        server.shutdown()
         assert server.wait(0)
 
 
