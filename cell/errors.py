@@ -99,6 +99,11 @@ class UnreachablePose(CellError):
         super().__init__(problem)
 
 
+def _figure(value: float) -> str:
+    """Return a figure with one decimal, or one with many digits in short."""
+    return f"{value:.1f}" if abs(value) < 1e7 else f"{value:g}"
+
+
 class MotionRefused(CellError):
     """The guard turned a motion down; nothing was sent to the arm.
 
@@ -135,7 +140,7 @@ class MotionRefused(CellError):
             else "; the way is free up to ({:.1f}, {:.1f}, {:.1f}) mm".format(*nearest_point_mm)
         )
         super().__init__(
-            f"{what} {why}: {value:.1f} {unit} asked, limit {limit:.1f} {unit}, "
+            f"{what} {why}: {_figure(value)} {unit} asked, limit {limit:.1f} {unit}, "
             f"nearest allowed {nearest:.1f} {unit}{way}"
         )
 

@@ -11,7 +11,7 @@ from console.edge import guarded
 from console.exits import Exit
 
 if TYPE_CHECKING:
-    from cyclopts import App
+    from cyclopts import App, CycloptsError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -57,7 +57,7 @@ def _dispatch(words: list[str]) -> int:
     try:
         result = command_line()(words)
     except CycloptsError as error:
-        sentence = " ".join(str(error).split())
+        sentence = " ".join(_sentence(error).split())
         print(f"cell: {sentence}", file=sys.stderr)
         print(
             "`cell --help` lists the commands, `cell COMMAND --help` their options.",
@@ -65,3 +65,17 @@ def _dispatch(words: list[str]) -> int:
         )
         return Exit.USAGE
     return result if isinstance(result, int) else Exit.DONE
+
+
+def _sentence(error: CycloptsError) -> str:
+    """Return what is wrong, with the name of the value where the parser leaves it out."""
+    from cyclopts import CoercionError
+
+    if (
+        isinstance(error, CoercionError)
+        and error.msg is not None
+        and error.argument is not None
+        and (error.token is None or error.token.keyword is None)
+    ):
+        return f"Invalid value for {error.argument.name.lstrip('-').upper()}: {error}"
+    return str(error)

@@ -18,6 +18,7 @@ from cell.errors import MotionRefused, UnreachablePose
 from cell.geometry import JointPositions, Pose
 from cell.kinematics.arm import ArmKinematics
 from cell.kinematics.line import pose_between
+from cell.motion.bounds import require_joints, require_pose
 from cell.motion.boxes import AXES, Bounds
 from cell.motion.chain_hull import ChainHull, ChainShape
 from cell.motion.chain_sweep import MARGIN_MM, ChainStance, ChainSweep, ChainWalk
@@ -110,6 +111,13 @@ class ChainGuard:
                 and how far it would be.
         """
         _require_in_range("linear speed", speed_mm_s, self._max_speed_mm_s, "mm/s")
+        require_pose(
+            self._arm.forward(start),
+            target,
+            lambda pose: self.check_linear(
+                start, pose, posture=posture, speed_mm_s=speed_mm_s, holds_block=holds_block
+            ),
+        )
         try:
             stances = self._line(
                 start, target, posture, step_mm=LINE_STEP_MM, step_deg=LINE_STEP_DEG
@@ -138,7 +146,9 @@ class ChainGuard:
         Raises:
             MotionRefused: The motion is not allowed.
         """
-        return self._check_joint(start, target, self._arm.forward(target), 0, percent, holds_block)
+        arm = self._arm
+        require_joints(target, arm.joint_min, arm.joint_max, arm.joint_units)
+        return self._check_joint(start, target, arm.forward(target), 0, percent, holds_block)
 
     def check_pose_joint(
         self,
@@ -154,11 +164,19 @@ class ChainGuard:
         Raises:
             MotionRefused: The motion is not allowed.
         """
+        require_pose(
+            self._arm.forward(start),
+            target,
+            lambda pose: self._solve(start, pose, posture),
+        )
+        end = self._solve(start, target, posture)
+        return self._check_joint(start, end, target, posture, percent, holds_block)
+
+    def _solve(self, start: JointPositions, target: Pose, posture: int) -> JointPositions:
         try:
-            end = self._arm.solve(target, posture, start)
+            return self._arm.solve(target, posture, start)
         except UnreachablePose as error:
             raise self._unreachable(start, target, posture, error, f"for {target}") from error
-        return self._check_joint(start, end, target, posture, percent, holds_block)
 
     def _check_joint(
         self,

@@ -16,6 +16,7 @@ from cell.devices.arm import Interpolation
 from cell.errors import MotionRefused, UnreachablePose
 from cell.geometry import JointPositions, Pose
 from cell.kinematics import Joints, SixAxisArm, matrix_from_pose
+from cell.motion.bounds import require_joints, require_pose
 from cell.motion.explain import Explainer
 from cell.motion.hull import ArmHull, HandShape, Stance
 from cell.motion.paths import JointPath, LinearPath, Path
@@ -141,6 +142,11 @@ class Guard:
         holds_block: bool,
     ) -> GuardedMove:
         self._check_speed(speed_mm_s)
+        require_pose(
+            self.arm.forward(start),
+            target,
+            lambda pose: self._check_line(start, pose, posture, speed_mm_s, holds_block),
+        )
         hull, sweep = self._hulls[holds_block], self._sweeps[holds_block]
         first = self._stance(start, holds_block)
         path = LinearPath(self.arm, hull, first, matrix_from_pose(target), posture)
@@ -174,9 +180,11 @@ class Guard:
         Raises:
             MotionRefused: The motion is not allowed.
         """
+        arm = self.arm
+        require_joints(target, arm.joint_min_deg, arm.joint_max_deg, ("deg",) * 6)
         end = _six(target)
-        pose = self.arm.forward(target)
-        return self._check_joint(start, end, pose, self.arm.posture(target), percent, holds_block)
+        pose = arm.forward(target)
+        return self._check_joint(start, end, pose, arm.posture(target), percent, holds_block)
 
     def check_pose_joint(
         self,
@@ -200,6 +208,11 @@ class Guard:
             MotionRefused: The motion is not allowed.
         """
         first = self._stance(start, holds_block)
+        require_pose(
+            self.arm.forward(start),
+            target,
+            lambda pose: self._check_reach(first, pose, posture, holds_block),
+        )
         end = self._check_reach(first, target, posture, holds_block)
         return self._check_joint(start, end, target, posture, percent, holds_block)
 
