@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Literal
 
 from cell.errors import LedgerError
+from cell.kept_database import advice
 from cell.store import TablePlace
 
 Phase = Literal["planned", "gripped", "placing"]
@@ -34,6 +35,8 @@ CREATE TABLE IF NOT EXISTS transfer (
 );
 CREATE TABLE IF NOT EXISTS strays (slot INTEGER PRIMARY KEY);
 """
+
+_IF_DAMAGED = "move the file away and put leftover blocks back by hand"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,8 +76,8 @@ class Ledger:
                 opened.pop_all()
         except sqlite3.Error as error:
             raise LedgerError(
-                f"the ledger {self._name} cannot be opened ({error}); move the file away and put "
-                "leftover blocks back by hand"
+                f"the ledger {self._name} cannot be opened ({error}); "
+                + advice(error, if_damaged=_IF_DAMAGED)
             ) from error
 
     def close(self) -> None:
@@ -161,8 +164,8 @@ class Ledger:
         except sqlite3.Error as error:
             self._roll_back()
             raise LedgerError(
-                f"the ledger {self._name} cannot be used ({error}); is the disk full, or the "
-                "file damaged?"
+                f"the ledger {self._name} cannot be used ({error}); "
+                + advice(error, if_damaged=_IF_DAMAGED)
             ) from error
 
     def _roll_back(self) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from cell.errors import CellError
+from cell.kept_database import advice
 
 Outcome = Literal["ok", "failed", "not tested"]
 
@@ -33,6 +34,8 @@ CREATE TABLE IF NOT EXISTS outgoing (
     PRIMARY KEY (fault, reporter)
 );
 """
+
+_IF_DAMAGED = "move the file away; reports that wait in it are then not sent"
 
 
 class HistoryError(CellError):
@@ -95,7 +98,7 @@ class History:
         except (sqlite3.Error, OSError) as error:
             raise HistoryError(
                 f"the watchdog's history {self._name} cannot be opened ({error}); "
-                "move the file away"
+                + advice(error, if_damaged=_IF_DAMAGED)
             ) from error
 
     def close(self) -> None:
@@ -130,7 +133,7 @@ class History:
                 self._roll_back()
                 raise HistoryError(
                     f"the watchdog's history {self._name} cannot be used ({error}); "
-                    "is the disk full?"
+                    + advice(error, if_damaged=_IF_DAMAGED)
                 ) from error
             except BaseException:
                 self._roll_back()

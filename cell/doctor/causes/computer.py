@@ -60,6 +60,18 @@ COMPUTER: tuple[Cause, ...] = (
         undo="move the file back",
     ),
     Cause(
+        id="watchdog-history-unreadable",
+        title="The watchdog's history cannot be read",
+        group=_GROUP,
+        rank=77,
+        see="The watchdog does not start; faults are not reported.",
+        why="The file is damaged, or is no history. Reports that wait to be sent are in it.",
+        fix="keep a copy of watchdog.sqlite for the reports that wait in it, then move it out of "
+        "the state folder; the watchdog starts a new history",
+        found="The file is opened read-only and asked for its tables.",
+        undo="move the file back",
+    ),
+    Cause(
         id="clock-implausible",
         title="The computer's clock is wrong",
         group=_GROUP,

@@ -20,6 +20,18 @@ STORE: tuple[Cause, ...] = (
         undo="move the file back",
     ),
     Cause(
+        id="ledger-out-of-reach",
+        title="The ledger of blocks cannot be reached",
+        group=_GROUP,
+        rank=6,
+        see="Nothing that moves blocks starts.",
+        why="The disk is full or fails, the file belongs to another user, or another program has "
+        "it open; what the ledger holds is still there.",
+        fix="free space, give the file to the user who runs the cell, stop the other program; "
+        "keep ledger.sqlite where it is",
+        found="The file is opened read-only, and SQLite tells of another error than of damage.",
+    ),
+    Cause(
         id="transfer-interrupted",
         title="A transfer was interrupted",
         group=_GROUP,

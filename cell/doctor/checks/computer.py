@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import sqlite3
+from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from cell.doctor.environment import Environment, nearest_existing
 from cell.doctor.notes import Notes
 from cell.errors import StillHeld
+from cell.kept_database import advice, is_damaged
 from cell.lock import CellLock
 from cell.profile import Profile
 
@@ -18,6 +21,9 @@ LEAST_FREE_BYTES = 1_000_000_000
 
 _EARLIEST = datetime(2025, 1, 1, tzinfo=UTC)
 _LATEST_YEARS = 30
+_LOCKED_S = 0.5
+"""How long a database that another program writes is waited for."""
+
 _AHEAD_S = 120.0
 """A record this far ahead of the clock may still be a file system's rounding."""
 
@@ -61,17 +67,24 @@ def check_folders(environment: Environment, notes: Notes) -> None:
 
 
 def check_kept(environment: Environment, notes: Notes) -> None:
-    """Look whether ledger and world file can be read; neither is written or made."""
+    """Look whether ledger, history and world file can be read; none is written or made."""
     folder = environment.state_folder
     if folder is None:
         return
     ledger = folder / "ledger.sqlite"
     if ledger.exists():
-        trouble = _why_no_ledger(ledger)
-        if trouble:
-            notes.find("ledger-unreadable", "store", f"{ledger} cannot be read", trouble)
-        else:
+        queries = (
+            "SELECT slot, x_mm, y_mm, yaw_deg FROM whereabouts",
+            "SELECT slot, phase FROM transfer",
+        )
+        fault = _database_fault(ledger, queries)
+        if fault is None:
             notes.fine("store", "the ledger can be read")
+        else:
+            cause = "ledger-unreadable" if fault.is_damaged else "ledger-out-of-reach"
+            fix = "" if fault.is_damaged else fault.fix
+            notes.find(cause, "store", f"{ledger} cannot be read", fault.seen, fix=fix)
+    _check_history(folder / "watchdog.sqlite", notes)
     trouble = environment.check_world()
     if trouble:
         notes.find("world-file-broken", "computer", "the twin's kept world is broken", trouble)
@@ -142,19 +155,49 @@ def _why_unwritable(folder: Path) -> str:
     return ""
 
 
-def _why_no_ledger(path: Path) -> str:
-    """Return why a file is no ledger, empty if it is one."""
+def _check_history(path: Path, notes: Notes) -> None:
+    """Look whether the watchdog's history can be read, if there is one."""
+    if not path.exists():
+        return
+    fault = _database_fault(path, ("SELECT started FROM about", "SELECT fault FROM outgoing"))
+    if fault is None:
+        notes.fine("computer", "the watchdog's history can be read")
+        return
+    problem = f"{path} cannot be read; the reports that wait to be sent are in it"
+    fix = "" if fault.is_damaged else fault.fix
+    notes.find("watchdog-history-unreadable", "computer", problem, fault.seen, fix=fix)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _DatabaseFault:
+    """Why a kept database cannot be read."""
+
+    seen: str
+    is_damaged: bool
+    fix: str = ""
+
+
+def _database_fault(path: Path, queries: Sequence[str]) -> _DatabaseFault | None:
+    """Return why a database cannot be read, None if it can; nothing is written."""
     try:
-        database = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+        database = sqlite3.connect(
+            f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=_LOCKED_S
+        )
         try:
-            database.execute("SELECT slot, x_mm, y_mm, yaw_deg FROM whereabouts").fetchall()
-            database.execute("SELECT slot, phase FROM transfer").fetchall()
+            for query in queries:
+                database.execute(query).fetchall()
             (verdict,) = database.execute("PRAGMA quick_check(1)").fetchone()
         finally:
             database.close()
     except sqlite3.Error as error:
-        return f"SQLite says: {error}"
-    return "" if verdict == "ok" else f"SQLite's check says: {verdict}"
+        return _DatabaseFault(
+            seen=f"SQLite says: {error}",
+            is_damaged=is_damaged(error),
+            fix=advice(error, if_damaged=""),
+        )
+    if verdict == "ok":
+        return None
+    return _DatabaseFault(seen=f"SQLite's check says: {verdict}", is_damaged=True)
 
 
 def _newest_record(environment: Environment) -> tuple[float, Path] | None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import sqlite3
 from itertools import combinations
 
 from cell.doctor.notes import Notes
 from cell.doctor.patient import Patient
 from cell.errors import LedgerError
+from cell.kept_database import is_damaged
 
 
 def check_store(patient: Patient, notes: Notes) -> None:
@@ -19,7 +21,8 @@ def check_store(patient: Patient, notes: Notes) -> None:
     try:
         out, transfer = ledger.blocks_out(), ledger.open_transfer()
     except LedgerError as error:
-        notes.find("ledger-unreadable", "store", "the ledger cannot be read", str(error))
+        cause = "ledger-unreadable" if _is_damaged(error) else "ledger-out-of-reach"
+        notes.find(cause, "store", "the ledger cannot be read", str(error))
         return
     if transfer is not None and not patient.is_in_service:
         problem = f"the transfer of the block of slot {transfer.slot} was interrupted"
@@ -41,3 +44,9 @@ def check_store(patient: Patient, notes: Notes) -> None:
         notes.find("block-out", "store", problem, f"{len(out)} blocks out: slots {numbers}")
     elif not out and transfer is None:
         notes.fine("store", "every block is in its slot")
+
+
+def _is_damaged(error: LedgerError) -> bool:
+    """Return whether the file itself is at fault."""
+    cause = error.__cause__
+    return isinstance(cause, sqlite3.Error) and is_damaged(cause)

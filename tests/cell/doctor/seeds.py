@@ -356,6 +356,31 @@ def _closed_ledger(folder: Path) -> Ward:
     return ward.believing(ledger=ledger)
 
 
+def _folder_for_ledger(folder: Path) -> Ward:
+    (folder / "ledger.sqlite").mkdir()
+    return _state(folder)
+
+
+def _held_ledger(folder: Path) -> Ward:
+    Ledger(folder / "ledger.sqlite").close()
+    other = sqlite3.connect(folder / "ledger.sqlite", isolation_level=None)
+    other.execute("PRAGMA locking_mode = EXCLUSIVE")
+    other.execute("BEGIN EXCLUSIVE")
+    ward = _state(folder)
+    ward.to_close.append(other.close)
+    return ward
+
+
+def _broken_history(folder: Path) -> Ward:
+    (folder / "watchdog.sqlite").write_bytes(b"this is no database, and never was one" * 20)
+    return _state(folder)
+
+
+def _full_and_no_ledger(folder: Path) -> Ward:
+    (folder / "ledger.sqlite").mkdir()
+    return _full(folder)
+
+
 def _file_for_folder(folder: Path, *, is_state: bool) -> Ward:
     ward = _ward(folder)
     (folder / "taken").write_text("a file")
@@ -685,7 +710,15 @@ SEEDS: tuple[Seed, ...] = (
     Seed("another program listens", "server-port-taken", _port_taken),
     Seed("the ledger is damaged", "ledger-unreadable", _broken_ledger),
     Seed("the ledger is another database", "ledger-unreadable", _foreign_ledger),
-    Seed("the ledger was closed", "ledger-unreadable", _closed_ledger),
+    Seed("the ledger was closed", "ledger-out-of-reach", _closed_ledger),
+    Seed("the ledger's name is a folder's", "ledger-out-of-reach", _folder_for_ledger),
+    Seed("another program writes the ledger", "ledger-out-of-reach", _held_ledger),
+    Seed(
+        "a full disk keeps the ledger from being read",
+        "disk-nearly-full",
+        _full_and_no_ledger,
+    ),
+    Seed("the watchdog's history is damaged", "watchdog-history-unreadable", _broken_history),
     Seed("a transfer was cut short", "transfer-interrupted", _interrupted),
     Seed(
         "two blocks are noted at one place",
