@@ -62,6 +62,7 @@ def select_input(number: Whole, /, *, options: HandOptions = DEFAULTS) -> int:
     """
 
     def work(hands: ByHand) -> None:
+        hands.playground.display.require_input(number)
         _switch_on(hands)
         hands.playground.display.select_input(number)
         tell({"input": number}, f"input {number}", options)
@@ -79,6 +80,7 @@ def volume(level: Whole, /, *, options: HandOptions = DEFAULTS) -> int:
     """
 
     def work(hands: ByHand) -> None:
+        hands.playground.display.require_volume(level)
         _switch_on(hands)
         hands.playground.display.set_volume(level)
         tell({"volume": level}, f"volume {level}", options)

@@ -201,8 +201,14 @@ class AbsentDisplay:
         """Return the input that was asked for."""
         return self._number
 
+    def require_input(self, number: int) -> None:
+        """Do nothing: any input is as good as another."""
+
     def set_volume(self, volume: int) -> None:
         """Do nothing."""
+
+    def require_volume(self, volume: int) -> None:
+        """Do nothing: any volume is as good as another."""
 
 
 class AbsentScreen:

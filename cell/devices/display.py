@@ -33,8 +33,22 @@ class Display(Protocol):
             DeviceError: What is shown has no number, such as a tuner.
         """
 
+    def require_input(self, number: int) -> None:
+        """Return if the profile's table has an input; nothing is sent.
+
+        Raises:
+            OutOfRange: It has none of that number.
+        """
+
     def set_volume(self, volume: int) -> None:
         """Set the volume, 0 to 60."""
+
+    def require_volume(self, volume: int) -> None:
+        """Return if there is such a volume; nothing is sent.
+
+        Raises:
+            OutOfRange: It is none of 0 to 60.
+        """
 
 
 class Screen(Protocol):

@@ -141,5 +141,14 @@ def test_wrong_input_is_a_sentence_and_its_exit_code(
     assert "unexpected" not in said.err
 
 
+@pytest.mark.parametrize("line", ["tv volume 101", "tv volume -1", "tv input 99", "tv input 0"])
+def test_a_television_in_standby_stays_there_when_a_figure_is_out_of_range(
+    line: str, cell: Cell
+) -> None:
+    assert cell("tv", "off").code == 0
+    assert cell(*line.split()).code == 1
+    assert cell("tv", "state", "--json").data()["on"] is False
+
+
 def test_there_are_many_ways_to_be_wrong() -> None:
     assert len(WRONG) >= 60

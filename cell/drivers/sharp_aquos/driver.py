@@ -146,12 +146,20 @@ class SharpDisplay:
         Raises:
             DeviceError: There is no such input, or the set refuses it.
         """
+        self.require_input(number)
+        self._do(Set(Word.INPUT, number))
+
+    def require_input(self, number: int) -> None:
+        """Return if the table has an input; nothing is sent.
+
+        Raises:
+            OutOfRange: It has none of that number.
+        """
         if number not in self._settings.inputs:
             known = ", ".join(f"{n} ({name})" for n, name in self._settings.inputs.items())
             raise OutOfRange(
                 self._settings.device, f"has no input {number}", hint=f"there are {known}"
             )
-        self._do(Set(Word.INPUT, number))
 
     def selected_input(self) -> int:
         """Return the number of the input that is shown.
@@ -172,6 +180,14 @@ class SharpDisplay:
     def set_volume(self, volume: int) -> None:
         """Set the volume, 0 to 60."""
         self._do(self._in_range(Word.VOLUME, volume))
+
+    def require_volume(self, volume: int) -> None:
+        """Return if there is such a volume; nothing is sent.
+
+        Raises:
+            OutOfRange: It is none of 0 to 60.
+        """
+        self._in_range(Word.VOLUME, volume)
 
     def volume(self) -> int:
         """Return the volume."""
