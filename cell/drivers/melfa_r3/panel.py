@@ -14,11 +14,13 @@ from cell.drivers.melfa_r3.statements import (
     SwitchOutput,
     print_statement,
 )
+from cell.drivers.melfa_r3.tables import UNKNOWN_COMMAND
 from cell.errors import DeviceError
 
 Record = TypeVar("Record")
 
 _MAX_PROGRAMS = 999
+_LEFTOVERS = "the controller took the first request for something else; its line held leftovers"
 
 
 class ControlPanel:
@@ -34,7 +36,18 @@ class ControlPanel:
     # Session, right and servos
 
     def open_session(self, client: str) -> records.Identity:
-        """Open a session and return who the controller is."""
+        """Open a session and return who the controller is.
+
+        What was in its line before, such as half a request of another program or bytes at a
+        wrong speed, makes the first request no command; the refused line is its end, so the
+        second is clean.
+        """
+        try:
+            return self._read(records.parse_identity, "OPEN", f"={client}")
+        except DeviceError as error:
+            if error.code != UNKNOWN_COMMAND:
+                raise
+        self._dialogue.on_repeat(self._dialogue.device, _LEFTOVERS)
         return self._read(records.parse_identity, "OPEN", f"={client}")
 
     def close_session(self) -> None:

@@ -174,6 +174,40 @@ def replace_reply_to(rig: ArmRig, request: str, act: Callable[[], None]) -> None
     rig.link.write = watched  # type: ignore[method-assign]
 
 
+@pytest.mark.parametrize("leftovers", [b"1;1;STA", b"\x81\xfe\x00\x99", b"x" * 300])
+def test_leftovers_in_the_controllers_line_cost_one_more_request_to_open(leftovers: bytes) -> None:
+    rig = ArmRig()
+    rig.link.write(leftovers)
+    rig.arm.open()
+    assert rig.requests[:2] == [f"OPEN={ARM_SETTINGS.client}"] * 2
+    assert len(rig.repeats) == 1
+    assert "its line held leftovers" in rig.repeats[0][1]
+
+
+def test_a_controller_that_does_not_know_how_to_open_is_asked_twice_only() -> None:
+    rig = ArmRig()
+    write, count = rig.link.write, 0
+
+    def unknowing(data: bytes) -> None:
+        nonlocal count
+        count += b"OPEN" in data
+        rig.controller.replace_next_reply(b"QeR4200\r")
+        write(data)
+
+    rig.link.write = unknowing  # type: ignore[method-assign]
+    with pytest.raises(DeviceError, match="refused OPEN"):
+        rig.arm.open()
+    assert count == 2
+
+
+def test_a_clean_line_is_opened_with_one_request() -> None:
+    rig = ArmRig()
+    rig.arm.open()
+    assert [request for request in rig.requests if request.startswith("OPEN")] == [
+        f"OPEN={ARM_SETTINGS.client}"
+    ]
+
+
 def deafen_to(rig: ArmRig, request: str) -> None:
     """Lose a request of that beginning on the way, once."""
     write, done = rig.link.write, list[bool]()
