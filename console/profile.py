@@ -236,12 +236,13 @@ def _defaults_taken(checked: CheckedProfile) -> list[str]:
 
 def _as_text(value: Leaf | Absent) -> str:
     from cell.profile.compare import Absent
+    from cell.profile.findings import without_passwords
 
     if isinstance(value, Absent):
         return "(not there)"
     if value is None:
         return "(none)"
-    return json.dumps(value, ensure_ascii=False)
+    return without_passwords(json.dumps(value, ensure_ascii=False))
 
 
 def _as_data(value: Leaf | Absent) -> Leaf:

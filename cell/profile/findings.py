@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from cell.profile.toml_places import KeyPath, Place
 Severity = Literal["error", "warning"]
 
 _WIDTH = 100
+_USERINFO = re.compile(r"""(://)([^/@\s"']+)(?=@)""")
 _RED, _YELLOW, _CYAN, _BOLD, _PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[36m", "\x1b[1m", "\x1b[0m"
 
 
@@ -43,7 +45,7 @@ class Finding:
             "field": self.field,
             "line": self.place.line,
             "column": self.place.column,
-            "message": self.message,
+            "message": without_passwords(self.message),
             "hint": self.hint,
             "other_line": None if self.other is None else self.other.line,
         }
@@ -86,11 +88,16 @@ def render_findings(
     Returns:
         The text, without a line break at its end.
     """
-    lines = text.split("\n")
+    lines = without_passwords(text).split("\n")
     shown = [_render(finding, lines, source, colour=colour) for finding in findings]
     errors = sum(finding.severity == "error" for finding in findings)
     shown.append(f"{_counted(errors, 'error')}, {_counted(len(findings) - errors, 'warning')}")
     return "\n\n".join(shown)
+
+
+def without_passwords(text: str) -> str:
+    """Return a text whose addresses keep as many characters, but no name or password."""
+    return _USERINFO.sub(lambda found: found[1] + "*" * len(found[2]), text)
 
 
 def _quoted(key: str) -> str:
@@ -148,7 +155,7 @@ def _marked(
 
 def _showable(text: str) -> str:
     """Return text without anything that moves a terminal's cursor."""
-    text = text.replace("\t", "    ").replace("\r", "")
+    text = without_passwords(text).replace("\t", "    ").replace("\r", "")
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 

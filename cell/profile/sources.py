@@ -35,7 +35,7 @@ def find_profile(name_or_path: str) -> ProfileSource:
     try:
         if is_path(name_or_path):
             path = Path(name_or_path)
-            return ProfileSource(name_or_path, with_line_feeds(path.read_text("utf-8")), path)
+            return ProfileSource(name_or_path, _text(path), path)
         if name_or_path in shipped_profiles():
             shipped = resources.files("cell") / "profiles" / f"{name_or_path}.toml"
             return ProfileSource(
@@ -43,7 +43,7 @@ def find_profile(name_or_path: str) -> ProfileSource:
             )
         path = user_profiles_folder() / f"{name_or_path}.toml"
         if path.is_file():
-            return ProfileSource(str(path), with_line_feeds(path.read_text("utf-8")), path)
+            return ProfileSource(str(path), _text(path), path)
     except FileNotFoundError as error:
         raise ProfileError(f"there is no file {name_or_path}") from error
     except OSError as error:
@@ -61,6 +61,19 @@ def find_profile(name_or_path: str) -> ProfileSource:
         f"there is no profile {name_or_path!r}; shipped are {', '.join(shipped_profiles())}, "
         f"your own in {user_profiles_folder()} {own}; a path must end in .toml"
     )
+
+
+def _text(path: Path) -> str:
+    """Return what is in a file; a pipe or a device has no end to be waited for.
+
+    Raises:
+        ProfileError: It is there, and no ordinary file.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise ProfileError(
+            f"the profile {path} cannot be read: it is a pipe or a device; give an ordinary file"
+        )
+    return with_line_feeds(path.read_text("utf-8"))
 
 
 def is_path(name_or_path: str) -> bool:

@@ -143,3 +143,45 @@ def test_on_a_terminal_whoever_ends_the_input_gets_the_ports_of_the_base(tmp_pat
         os.close(master)
     assert process.returncode == 0
     assert load_profile(str(tmp_path / "mine.toml")).arm.serial.port == "COM9"
+
+
+@pytest.mark.parametrize("verb", ["check", "show"])
+def test_a_pipe_is_no_profile_and_is_not_waited_for(verb: str, cell: Cell, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    said = cell("profile", verb, "pipe.toml")
+    assert said.code == 2
+    assert "pipe.toml cannot be read: it is a pipe or a device" in said.err
+
+
+@pytest.mark.parametrize("verb", ["check", "show"])
+def test_a_device_is_no_profile(verb: str, cell: Cell) -> None:
+    said = cell("profile", verb, "/dev/zero")
+    assert said.code == 2
+    assert "/dev/zero cannot be read: it is a pipe or a device" in said.err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("check",), ("check", "--json"), ("show",), ("diff", "mash")],
+    ids=["check", "check --json", "show", "diff"],
+)
+@pytest.mark.parametrize("userinfo", ["anna:hunter2", "hunter2"])
+def test_a_password_in_an_address_is_not_repeated(
+    words: tuple[str, ...], userinfo: str, cell: Cell, tmp_path: Path
+) -> None:
+    written = f'[reports.webhook]\nurl = "https://{userinfo}@example.org/hook"\n'
+    (tmp_path / "told.toml").write_text(profile_text("mash") + "\n" + written, "utf-8")
+    said = cell("profile", words[0], "told.toml", *words[1:])
+    assert said.code in (0, 1)
+    assert "hunter2" not in said.out + said.err
+    if words != ("check", "--json") and (words != ("check",) or ":" in userinfo):
+        assert "*@example.org/hook" in said.out
+
+
+def test_a_password_is_not_repeated_beside_a_mistake_either(cell: Cell, tmp_path: Path) -> None:
+    (tmp_path / "told.toml").write_text('nmae = "https://anna:hunter2@example.org"\n', "utf-8")
+    for verb in ("check", "show"):
+        said = cell("profile", verb, "told.toml")
+        assert said.code in (1, 2)
+        assert "hunter2" not in said.out + said.err
+        assert "************@example.org" in said.out + said.err
