@@ -10,7 +10,7 @@ from cyclopts import App, Parameter
 from console.exits import ConsoleError
 from console.figures import Figure
 from console.hand import DEFAULTS, HandOptions, by_hand, tell
-from console.output import put_json, put_table
+from console.output import put_json, put_table, say
 
 if TYPE_CHECKING:
     from cell.by_hand import ByHand
@@ -96,7 +96,9 @@ def grab(
         for which, value in wanted:
             camera.set_absolute(which, value)
         frame = hands.playground.grab(name, width_px, height_px)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.parent.exists():
+            path.parent.mkdir(parents=True)
+            say(f"made the folder {path.parent}")
         path.write_bytes(encode_png(frame.pixels))
         height, width = frame.pixels.shape[:2]
         told = {"file": str(path), "width_px": width, "height_px": height, "number": frame.number}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import App, Parameter, validators
 
 from console.exits import ConsoleError, Exit
 from console.options import AsJson, ProfileName, WiresOption
@@ -75,12 +75,22 @@ def run(
 
 
 @app.command
-def history(*, profile: ProfileName = "mash", rounds: int = 10, as_json: AsJson = False) -> None:
+def history(
+    *,
+    profile: ProfileName = "mash",
+    rounds: Annotated[
+        int,
+        Parameter(
+            validator=validators.Number(gte=1, lte=1_000_000), help="How many rounds to show."
+        ),
+    ] = 10,
+    as_json: AsJson = False,
+) -> None:
     """Show the last rounds and every fault.
 
     Args:
         profile: Profile of the cell.
-        rounds: How many rounds to show.
+        rounds: How many rounds to show, 1 to 1000000.
         as_json: Write JSON for programs.
     """
     kept, _ = _kept(profile)

@@ -106,6 +106,11 @@ WRONG = [
     ("store deploy seven 1 1", 2, "seven"),
     ("store clean 99", 1, "no slot 99"),
     ("store clean 7 --picture", 2, "leave the slots out"),
+    ("watchdog history --rounds 0", 2, "--rounds"),
+    ("watchdog history --rounds -1", 2, "--rounds"),
+    ("watchdog history --rounds 1000001", 2, "--rounds"),
+    ("watchdog history --rounds 99999999999999999999", 2, "--rounds"),
+    ("watchdog history --rounds ten", 2, "--rounds"),
     ("profile new", 2, "NAME"),
     ("profile new mash", 2, "shipped"),
     ("profile new a/b", 2, "a/b"),
@@ -148,6 +153,15 @@ def test_a_television_in_standby_stays_there_when_a_figure_is_out_of_range(
     assert cell("tv", "off").code == 0
     assert cell(*line.split()).code == 1
     assert cell("tv", "state", "--json").data()["on"] is False
+
+
+def test_a_folder_that_is_made_for_a_picture_is_told(cell: Cell, tmp_path: Path) -> None:
+    said = cell("camera", "grab", "top", "--size", "640x480", "--out", "new/one/top.png")
+    assert said.code == 0, said.err
+    assert "made the folder new/one" in said.err
+    assert (tmp_path / "new" / "one" / "top.png").is_file()
+    again = cell("camera", "grab", "top", "--size", "640x480", "--out", "new/one/top.png")
+    assert "made the folder" not in again.err
 
 
 def test_there_are_many_ways_to_be_wrong() -> None:
