@@ -17,6 +17,7 @@ CellError
 ├── Stopped             somebody asked the operation to stop
 ├── ResumeRefused       after a stop, the check says that nothing may move yet
 ├── SafeStop            a fault after which the task is over and nothing moves
+├── StateError          what is kept of a cell between programs cannot be read or written
 └── StillHeld           another process has the cell
 """
 
@@ -179,6 +180,10 @@ class SafeStop(CellError):
     def __init__(self, cause: CellError) -> None:
         self.cause = cause
         super().__init__(str(cause))
+
+
+class StateError(CellError):
+    """The state folder, or a file in it, cannot be read or written."""
 
 
 class StillHeld(CellError):

@@ -15,13 +15,14 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from cell.errors import CellError
+from cell.errors import CellError, StateError
 from cell.twin.blocks import TwinBlock
 from cell.twin.bodies import JointTuple
 from cell.twin.hand import Held
 from cell.twin.world import World
 
 _FORMAT = 1
+_START_CLEAN = "move it away to start with a clean world"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,23 +87,42 @@ class WorldFile:
         self._path = path
 
     def exists(self) -> bool:
-        """Return whether there is a kept world."""
-        return self._path.is_file()
+        """Return whether there is a kept world, or something else under its name."""
+        return self._path.exists()
 
     def load_into(self, world: World) -> None:
         """Put the world into the kept state.
 
         Raises:
-            CellError: The file cannot be read or holds no world.
+            StateError: The file cannot be read.
+            CellError: It holds no world.
         """
         try:
             text = self._path.read_text("utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise CellError(f"the twin's world cannot be read from {self._path}") from error
+        except UnicodeDecodeError as error:
+            raise StateError(
+                f"{self._path} is no text (byte {error.start}); {_START_CLEAN}"
+            ) from error
+        except OSError as error:
+            raise StateError(
+                f"the twin's world cannot be read from {self._path} ({error.strerror or error}); "
+                f"give it to the user who runs the cell, or {_START_CLEAN}"
+            ) from error
         load_world(world, text, str(self._path))
 
     def save(self, world: World, now_s: float) -> None:
-        """Write the world; a reader finds the old text or the new one, never a part."""
+        """Write the world; a reader finds the old text or the new one, never a part.
+
+        Raises:
+            StateError: It cannot be written; the old one is still there.
+        """
         fresh = self._path.with_suffix(".new")
-        fresh.write_text(dump_world(world, now_s), "utf-8")
-        os.replace(fresh, self._path)
+        try:
+            fresh.write_text(dump_world(world, now_s), "utf-8")
+            os.replace(fresh, self._path)
+        except OSError as error:
+            raise StateError(
+                f"the twin's world cannot be written to {self._path} ({error.strerror or error}); "
+                f"free space on its disk, give {self._path.parent} to the user who runs the cell, "
+                "or move away a folder that has its name"
+            ) from error
