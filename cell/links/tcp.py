@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import select
 import socket
+from collections.abc import Callable
 
 from cell.errors import LinkError
 from cell.links.errors import DeviceVanished, NotReached, WriteStuck
@@ -21,12 +23,21 @@ class TcpLink:
         name: Name of the device, as in the profile.
         profile: Its address.
         write_timeout_s: How long bytes may take to leave.
+        is_polled: Whether the socket is polled; where that is possible unless given. Windows
+            only has `select`, which elsewhere fails at descriptors above 1023.
 
     Raises:
         NotReached: Nobody answers at the address.
     """
 
-    def __init__(self, name: str, profile: TcpProfile, *, write_timeout_s: float = 2.0) -> None:
+    def __init__(
+        self,
+        name: str,
+        profile: TcpProfile,
+        *,
+        write_timeout_s: float = 2.0,
+        is_polled: bool = os.name == "posix",
+    ) -> None:
         self._name = name
         self._write_timeout_s = write_timeout_s
         self._place = f"{profile.host}:{profile.port}"
@@ -41,9 +52,11 @@ class TcpLink:
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._socket.settimeout(write_timeout_s)
         self._is_open = True
-        poller = select.poll()
-        poller.register(self._socket, select.POLLIN)
-        self._poll = poller.poll
+        self._has_data: Callable[[float], bool] = self._has_data_by_select
+        if is_polled:
+            self._poller = select.poll()
+            self._poller.register(self._socket, select.POLLIN)
+            self._has_data = self._has_data_by_poll
 
     @property
     def name(self) -> str:
@@ -74,8 +87,7 @@ class TcpLink:
             LinkError: The link is closed.
         """
         self._require_open()
-        # Rounded up: a wait that ends before its time would spin.
-        if not self._poll(math.ceil(max(timeout_s, 0.0) * 1000.0)):
+        if not self._has_data(max(timeout_s, 0.0)):
             return b""
         try:
             data = self._socket.recv(_READ_BYTES)
@@ -92,6 +104,13 @@ class TcpLink:
             with contextlib.suppress(OSError):
                 self._socket.shutdown(socket.SHUT_RDWR)
             self._socket.close()
+
+    def _has_data_by_poll(self, timeout_s: float) -> bool:
+        # Rounded up: a wait that ends before its time would spin.
+        return bool(self._poller.poll(math.ceil(timeout_s * 1000.0)))
+
+    def _has_data_by_select(self, timeout_s: float) -> bool:
+        return bool(select.select([self._socket], [], [], timeout_s)[0])
 
     def _vanished(self, reason: str) -> DeviceVanished:
         return DeviceVanished(self._name, self._place, reason)
