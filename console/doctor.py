@@ -59,8 +59,10 @@ def doctor(
     """
     from cell.doctor import report_of_invalid_profile
     from cell.errors import ProfileError
-    from cell.profile import load_profile
+    from cell.profile import load_profile, profile_text
 
+    # A profile that is not there is a wrong use; one that says nonsense is a finding.
+    profile_text(profile)
     try:
         used = load_profile(profile)
     except ProfileError as error:

@@ -11,6 +11,7 @@ from functools import partial
 from cell.bringup.connecting import Connected
 from cell.bringup.step import Looked, Step
 from cell.doctor import Component, Finding, Report
+from cell.errors import CellError
 from cell.profile import Profile
 
 Examine = Callable[[Component], Report]
@@ -128,6 +129,9 @@ def _all_steps(examine: Examine, connect: Connect) -> tuple[Step, ...]:
 
 def _look_at_board(examine: Examine) -> Looked:
     report = examine("arm")
+    held = _held(report)
+    if held is not None:
+        return held
     if any(f.cause.id in _NO_POWER and f.component == "arm" for f in report.findings):
         return Looked(
             verdict="cannot tell",
@@ -135,7 +139,10 @@ def _look_at_board(examine: Examine) -> Looked:
             problem="whether the board is on cannot be measured",
             fix="look at its green lamp",
         )
-    return Looked(verdict="done", evidence=("the arm controller, which the board feeds, answers",))
+    if any(one.component == "arm" for one in report.fine):
+        answers = "the arm controller, which the board feeds, answers"
+        return Looked(verdict="done", evidence=(answers,))
+    return _unmeasured(report, "arm")
 
 
 def _by_group(
@@ -148,6 +155,9 @@ def _by_group(
 ) -> Looked:
     """Look at a component: what the doctor finds in these groups is what is missing."""
     report = examine(component)
+    held = _held(report)
+    if held is not None:
+        return held
     found = [
         finding
         for finding in report.findings
@@ -171,7 +181,16 @@ def _look_for_cause(examine: Examine, component: Component, cause: str) -> Looke
 
 
 def _look_at_devices(connect: Connect) -> Looked:
-    connected = connect()
+    try:
+        connected = connect()
+    except CellError as error:
+        # The report is owed all the same: another program may have the cell.
+        return Looked(
+            verdict="not done",
+            evidence=(str(error),),
+            problem="no device can be opened",
+            fix="do what the evidence says, then look again",
+        )
     failed = [one for one in connected if one.problem]
     evidence = tuple(f"{one.device}: {one.problem or one.identity}" for one in connected)
     if failed:
@@ -183,6 +202,12 @@ def _look_at_devices(connect: Connect) -> Looked:
             fix="run `cell doctor`; it names the cause",
         )
     return Looked(verdict="done", evidence=evidence)
+
+
+def _held(report: Report) -> Looked | None:
+    """Return what is to be said where another program has the cell: nothing was examined."""
+    found = [finding for finding in report.findings if finding.cause.id == "cell-in-use"]
+    return _not_done(found) if found else None
 
 
 def _not_done(found: Sequence[Finding]) -> Looked:

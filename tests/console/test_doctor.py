@@ -9,6 +9,7 @@ import pytest
 
 from cell.drivers.kiosk import KioskScreen, KioskSettings
 from cell.ledger import Ledger
+from cell.lock import CellLock
 from cell.profile import profile_text
 from cell.store import TablePlace
 from console.cli import main
@@ -67,6 +68,11 @@ def test_a_profile_that_cannot_be_read_is_a_finding(
     assert main(["doctor", "--profile", str(path), "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
     assert [one["cause"] for one in told["findings"]] == ["profile-invalid"]
+
+
+def test_a_profile_that_does_not_exist_is_a_wrong_use(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor", "--profile", "nope"]) == 2
+    assert "there is no profile 'nope'" in capsys.readouterr().err
 
 
 def test_blocks_left_out_are_told_with_evidence_fix_and_link(
@@ -131,6 +137,21 @@ def test_a_twin_is_brought_up_without_a_question(
     told = capsys.readouterr()
     assert "the cell mash is ready: `cell serve mash`" in told.out
     assert "READY" in told.err
+
+
+def test_a_bring_up_of_a_held_cell_says_so_and_ends_with_its_report(
+    tmp_path: Path, home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lock = CellLock(home)
+    try:
+        assert main(["bringup", "--yes", "--profile", profile_on_a_free_port(tmp_path)]) == 1
+    finally:
+        lock.release()
+    told = capsys.readouterr()
+    assert "board       not done: computer: another program has this cell" in told.out
+    assert "connect     not done: no device can be opened" in told.out
+    assert "is not ready; missing: board" in told.out
+    assert "feeds, answers" not in told.err
 
 
 def test_an_interrupted_bring_up_goes_on_where_it_was(
