@@ -7,7 +7,7 @@ from functools import partial
 
 from cell.devices.camera import Camera, CameraSettings
 from cell.devices.camera_configure import wanted
-from cell.devices.camera_features import CameraFeature, is_taken, quantity
+from cell.devices.camera_features import CameraFeature, CameraIdentity, is_taken, quantity
 from cell.doctor.checks.lights import Lights
 from cell.doctor.checks.pictures import Look, Viewpoint, judge_pictures, look_through
 from cell.doctor.learned import LEARNING_MODE, LearnedPicture
@@ -60,11 +60,13 @@ def _examine(patient: Patient, name: str, camera: Camera, notes: Notes, looks: l
     """Examine one camera; what it sees is added to the looks."""
     component = f"camera {name}"
     try:
-        identity = camera.identity
+        identity = _identity(camera)
     except DeviceError as error:
         notes.find("camera-missing", component, f"camera {name} is not there", str(error))
+        camera.close()
         return
     if not _is_right_one(patient, name, identity.guid, str(identity), notes):
+        camera.close()
         return
     try:
         camera.open(LEARNING_MODE)
@@ -77,6 +79,19 @@ def _examine(patient: Patient, name: str, camera: Camera, notes: Notes, looks: l
         notes.find(cause, component, f"camera {name} {words}", str(error))
     finally:
         camera.close()
+
+
+def _identity(camera: Camera) -> CameraIdentity:
+    """Return who a camera is; one that only says so when it is open is opened.
+
+    Raises:
+        DeviceError: It cannot be opened; the text says why.
+    """
+    try:
+        return camera.identity
+    except DeviceError:
+        camera.open(LEARNING_MODE)
+        return camera.identity
 
 
 def _is_right_one(patient: Patient, name: str, guid: str, who: str, notes: Notes) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from cell.doctor.checks.listening import Heard, greetings, listen
 from cell.doctor.environment import Environment
@@ -12,6 +13,8 @@ from cell.doctor.patient import Patient
 from cell.errors import LinkError
 from cell.links.base import Link
 from cell.links.errors import NotReached, PortForbidden, PortMissing, PortTaken
+from cell.links.settings_text import settings_text
+from cell.profile import Profile, SerialProfile
 
 _SILENT = {"arm": "arm-silent", "gripper": "gripper-silent", "display": "tv-silent"}
 _WORDS = {"arm": "the arm controller", "gripper": "the gripper", "display": "the television"}
@@ -58,7 +61,22 @@ def judge_link_error(environment: Environment, notes: Notes, device: str, error:
 
 def hear_device(patient: Patient, link: Link, device: str) -> Heard:
     """Ask a device the simplest question of its protocol and judge what comes back."""
-    return listen(link, patient.clock, device, greetings(patient.profile))
+    heard = listen(link, patient.clock, device, greetings(patient.profile))
+    line = _line_of(patient.profile, device)
+    if heard.verdict not in ("silent", "garbage") or not isinstance(line, SerialProfile):
+        return heard
+    settings = f"the port {line.port} is set to {settings_text(line)}; is the device, too?"
+    return replace(heard, facts=(*heard.facts, settings))
+
+
+def _line_of(profile: Profile, device: str) -> object:
+    """Return the parameters of a device's line, None where the profile has none."""
+    lines = {
+        "arm": profile.arm.serial,
+        "gripper": profile.gripper.serial,
+        "display": profile.display.serial,
+    }
+    return lines.get(device)
 
 
 def judge_line(environment: Environment, notes: Notes, device: str, heard: Heard) -> bool:
