@@ -6,10 +6,10 @@ import logging
 import sys
 from typing import TYPE_CHECKING
 
+from console.options import Wires
 from console.places import cell_folder
 
 if TYPE_CHECKING:
-    from cell.assembly.wires import Wires
     from cell.clock import Clock
     from cell.links.base import Tap
     from cell.profile import Profile

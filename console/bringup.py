@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from console.doctor import Wires, assemble, examine_quietly
+from console.assembling import assemble, clock_for
+from console.doctor import examine_quietly
 from console.exits import Exit
-from console.options import AsJson, ProfileName, WiresOption
+from console.options import AsJson, ProfileName, Wires, WiresOption
 from console.output import put, put_json, say
 from console.places import cell_folder
 
@@ -183,7 +184,7 @@ def _connector(profile: Profile, script: str, wires: Wires) -> Callable[[], Sequ
     def connect() -> Sequence[Connected]:
         from cell.bringup import connect_devices
 
-        cell = assemble(profile, script, wires)
+        cell = assemble(profile, script, wires, clock_for(wires))
         try:
             return connect_devices(cell, in_parallel=wires == "hardware")
         finally:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from console.assembling import assemble, clock_for, plan_of
 from console.exits import Exit
-from console.options import AsJson, ProfileName, WiresOption
+from console.options import AsJson, ProfileName, Wires, WiresOption
 from console.output import put, put_json, say, styled
 from console.places import cell_folder, recordings_folder
 
@@ -19,9 +20,7 @@ if TYPE_CHECKING:
     from cell.doctor import Environment, Finding, PageState, Patient, Report
     from cell.doctor.learned import LearnedPicture
     from cell.profile import Profile
-    from cell.robot_cell import RobotCell
 
-Wires = Literal["memory", "pty", "hardware"]
 ComponentName = Literal[
     "computer", "profile", "arm", "gripper", "display", "screen", "cameras", "calibration", "store"
 ]
@@ -258,7 +257,7 @@ def _learn(profile: Profile, script: str, wires: Wires, *, as_json: bool) -> int
     from cell.doctor.learned import keep_learned, learn
 
     say("bringing the cell up; the arm will stand aside", "dim")
-    cell = assemble(profile, script, wires)
+    cell = assemble(profile, script, wires, clock_for(wires))
     try:
         cell.open()
         learned = learn(cell)
@@ -273,32 +272,6 @@ def _learn(profile: Profile, script: str, wires: Wires, *, as_json: bool) -> int
     return Exit.DONE
 
 
-def assemble(profile: Profile, script: str, wires: Wires) -> RobotCell:
-    """Put the cell of a profile together, closed; whoever called disposes of it."""
-    from cell.assembly import assemble_hardware, assemble_twin
-    from cell.clock import SimulatedClock, SystemClock
-    from console.scripts import load_script
-    from sessions.hosting import store_plan
-
-    folder = cell_folder(profile.name)
-    plan = store_plan(load_script(script))
-    if wires != "hardware":
-        clock = SimulatedClock()
-        return assemble_twin(profile, plan, seed=0, clock=clock, state_folder=folder, wires=wires)
-    from cell.assembly.cameras import hardware_cameras
-    from console.hand_screen import HandScreen
-
-    steady = SystemClock()
-    return assemble_hardware(
-        profile,
-        plan,
-        clock=steady,
-        state_folder=folder,
-        screen=HandScreen(profile.display, folder),
-        cameras=hardware_cameras(profile, steady),
-    )
-
-
 def _why_no_world(profile: Profile, script: str) -> str:
     """Return why the twin's kept world cannot be used; empty if it can or there is none."""
     from cell.assembly.emulated import blocks_in_store
@@ -307,13 +280,11 @@ def _why_no_world(profile: Profile, script: str) -> str:
     from cell.kinematics import SixAxisArm
     from cell.twin.keeping import WorldFile
     from cell.twin.world import World
-    from console.scripts import load_script
-    from sessions.hosting import store_plan
 
     file = WorldFile(cell_folder(profile.name) / "world.json")
     if not file.exists():
         return ""
-    plan = store_plan(load_script(script))
+    plan = plan_of(script)
     try:
         arm = SixAxisArm.from_profile(profile.arm)
         world = World(profile, arm, SimulatedClock(), blocks_in_store(profile, plan))

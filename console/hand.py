@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import logging
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from console.assembling import assemble, clock_for
 from console.exits import ConsoleError, Exit
+from console.options import Wires
 from console.output import put, put_json, say
 from console.places import cell_folder
 
@@ -21,15 +22,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from cell.by_hand import ByHand, HandCell
-    from cell.clock import Clock
     from cell.errors import CellError
-    from cell.links.base import Direction, Link, Tap
+    from cell.links.base import Direction, Link
     from cell.profile import CellProfile, Profile
     from cell.robot_cell import RobotCell
-    from cell.store import StorePlan
     from cell.twin.keeping_devices import DevicesFile
-
-Wires = Literal["memory", "pty", "hardware"]
 
 
 @Parameter(name="*")
@@ -188,15 +185,12 @@ def assemble_by_hand(options: HandOptions) -> HandCell:
 
 def _without_playground(profile: CellProfile, options: HandOptions) -> HandCell:
     from cell.assembly.arms import hardware_arm, twin_arm
-    from cell.clock import SimulatedClock, SystemClock
 
     folder = cell_folder(profile.name)
     tap = _show_wire if options.show_wire else None
+    clock = clock_for(options.wires, in_real_time=options.real_time)
     if options.wires == "hardware":
-        return hardware_arm(
-            profile, clock=SystemClock(), on_warning=_warn, tap=tap, state_folder=folder
-        )
-    clock: Clock = SystemClock() if options.real_time else SimulatedClock()
+        return hardware_arm(profile, clock=clock, on_warning=_warn, tap=tap, state_folder=folder)
     return twin_arm(profile, clock=clock, tap=tap, wires=options.wires, state_folder=folder)
 
 
@@ -205,26 +199,18 @@ def _warn(text: str) -> None:
 
 
 def _with_playground(profile: Profile, options: HandOptions) -> RobotCell:
-    from cell.assembly import assemble_twin
-    from cell.clock import SimulatedClock, SystemClock
     from cell.errors import CellError
-    from console.scripts import load_script
-    from sessions.hosting import store_plan
+    from cell.twin_cell import TwinCell
 
-    plan = store_plan(load_script(options.script))
-    folder = cell_folder(profile.name)
+    clock = clock_for(options.wires, in_real_time=options.real_time)
     tap = _show_wire if options.show_wire else None
-    if options.wires == "hardware":
-        return _assemble_hardware(profile, plan, folder, tap)
-    clock: Clock = SystemClock() if options.real_time else SimulatedClock()
-    cell = assemble_twin(
-        profile, plan, seed=0, clock=clock, state_folder=folder, tap=tap, wires=options.wires
-    )
-    try:
-        _devices_file(folder).load_into(cell.behind)
-    except CellError:
-        cell.dispose()
-        raise
+    cell = assemble(profile, options.script, options.wires, clock, tap)
+    if isinstance(cell, TwinCell):
+        try:
+            _devices_file(cell_folder(profile.name)).load_into(cell.behind)
+        except CellError:
+            cell.dispose()
+            raise
     return cell
 
 
@@ -232,27 +218,6 @@ def _devices_file(folder: Path) -> DevicesFile:
     from cell.twin.keeping_devices import DevicesFile
 
     return DevicesFile(folder / "devices.json", folder / "world.json")
-
-
-def _assemble_hardware(
-    profile: Profile, plan: StorePlan, folder: Path, tap: Tap | None
-) -> RobotCell:
-    from cell.assembly import assemble_hardware
-    from cell.assembly.cameras import hardware_cameras
-    from cell.clock import SystemClock
-    from console.hand_screen import HandScreen
-
-    logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(message)s")
-    clock = SystemClock()
-    return assemble_hardware(
-        profile,
-        plan,
-        clock=clock,
-        state_folder=folder,
-        screen=HandScreen(profile.display, folder),
-        cameras=hardware_cameras(profile, clock),
-        tap=tap,
-    )
 
 
 def _show_wire(link: str, direction: Direction, data: bytes) -> None:

@@ -6,6 +6,9 @@ from typing import Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
+Wires = Literal["memory", "pty", "hardware"]
+"""How devices are reached; as `cell.assembly.wires`, which is heavy to import."""
+
 AsJson: TypeAlias = Annotated[
     bool, Parameter(name="--json", negative="", help="Write JSON for programs.")
 ]
@@ -17,7 +20,7 @@ TwinWiresOption: TypeAlias = Annotated[
     Parameter(name="--wires", help="How emulated devices are reached."),
 ]
 WiresOption: TypeAlias = Annotated[
-    Literal["memory", "pty", "hardware"],
+    Wires,
     Parameter(
         name="--wires",
         help="Emulated devices in memory or behind pseudo-terminals, or the profile's ports.",

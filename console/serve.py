@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter, validators
 
 from console.exits import ConsoleError, Exit
-from console.options import ProfileName, WiresOption
+from console.options import ProfileName, Wires, WiresOption
 from console.output import put, say
 from console.places import cell_folder, recordings_folder
 from console.signals import signals_handled
@@ -21,7 +21,6 @@ from console.signals import signals_handled
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from cell.assembly.wires import Wires
     from cell.profile import Profile
     from cell.robot_cell import RobotCell
     from cell.twin_cell import TwinCell
