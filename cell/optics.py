@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cell.devices.camera import MODES, Camera, CameraMode, Frame
 from cell.devices.display import Screen
@@ -75,12 +79,27 @@ class CellOptics:
         Raises:
             DeviceError: Television or picture fail; the arm is held.
         """
+        with self._seen():
+            self._screen.show(picture)
+        self._events.emit(PictureShown(picture))
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str) -> None:
+        """Show any picture of the panel's size, and see to it that it is seen.
+
+        Raises:
+            DeviceError: Television or picture fail; the arm is held.
+        """
+        with self._seen():
+            self._screen.show_pixels(pixels, name)
+        self._events.emit(PictureShown(name))
+
+    @contextmanager
+    def _seen(self) -> Iterator[None]:
         if self.is_display_up:
             with self._watch.over("display"):
                 self._keeper.ensure_shown()
         with self._watch.over("screen"):
-            self._screen.show(picture)
-        self._events.emit(PictureShown(picture))
+            yield
 
     def grab(self, camera: str, width_px: int = 1280, height_px: int = 960) -> Frame:
         """Return a picture of a camera in the mode of that size.

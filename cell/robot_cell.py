@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cell.block_work import BlockWork
 from cell.clock import Clock
 from cell.devices.absent import AbsentDisplay, AbsentGripper, AbsentScreen
@@ -285,6 +288,10 @@ class RobotCell:
     def show(self, picture: str) -> None:
         """Show a picture on the screen under the playground, and see to it that it is seen."""
         self._optics.show(picture)
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        """Show any picture of the panel's size, such as a pattern to measure with."""
+        self._optics.show_pixels(pixels, name)
 
     def grab(self, camera: str, width_px: int = 1280, height_px: int = 960) -> Frame:
         """Return a picture of a camera in the mode of that size.

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cell.drivers.kiosk.screen import KioskScreen
 from cell.drivers.kiosk.settings import KioskSettings
 from cell.profile import DisplayProfile
@@ -31,6 +34,13 @@ class HandScreen:
             say(f"the television's browser must have {screen.url} open ...", "dim")
             screen.show(picture)
         self._shown = picture
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        """Show any picture of the panel's size, and wait until the page has painted it."""
+        with KioskScreen(self._settings) as screen:
+            say(f"the television's browser must have {screen.url} open ...", "dim")
+            screen.show_pixels(pixels, name)
+        self._shown = name
 
     def shown(self) -> str:
         """Return the name of the picture that this command showed; empty for none."""

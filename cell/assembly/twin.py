@@ -40,6 +40,7 @@ def assemble_twin(
     tap: Tap | None = None,
     events: EventBus | None = None,
     wires: TwinWires = "memory",
+    truth: Profile | None = None,
 ) -> TwinCell:
     """Put a cell together whose drivers talk to emulators.
 
@@ -53,6 +54,8 @@ def assemble_twin(
         events: Where events go; a bus of its own unless given.
         wires: Whether drivers and emulators are joined in memory or over pseudo-terminals
             that pyserial opens with the profile's parameters. Replies are the same.
+        truth: How the cell really is, where the profile, which is all that the program knows,
+            does not tell the truth: places of cameras, screen and store, lenses, light.
 
     Raises:
         StillHeld: Another process has this cell.
@@ -62,14 +65,15 @@ def assemble_twin(
     events = events or EventBus(clock)
     stop = StopToken()
     kinematics = SixAxisArm.from_profile(profile.arm)
+    real = truth or profile
     kept = ExitStack()
     with ExitStack() as taken:
         if state_folder is not None:
             taken.callback(CellLock(state_folder).release)
-        world = World(profile, kinematics, clock, blocks_in_store(profile, plan), seed=seed)
+        world = World(real, kinematics, clock, blocks_in_store(real, plan), seed=seed)
         if state_folder is not None:
             _keep(world, WorldFile(state_folder / "world.json"), clock)
-        devices = emulate_devices(profile, world, kinematics, seed=seed)
+        devices = emulate_devices(real, world, kinematics, seed=seed)
         if wires == "pty":
             loom = WireLoom.over_pty(profile, devices.wires, clock, tap, stop)
         else:
@@ -85,7 +89,10 @@ def assemble_twin(
             on_warning=_unheard,
             on_repeat=FaultReporter(events).repeated,
         )
-        cameras = _cameras(profile, plan, world, kinematics, clock)
+        cameras = _cameras(real, plan, world, kinematics, clock)
+        for name, camera in cameras.items():
+            if profile.cameras[name].settings != real.cameras[name].settings:
+                camera.configure(profile.cameras[name].settings)
         cell = TwinCell(
             profile,
             arm=GuardedArm(drivers.arm, Guard.from_profile(profile), profile.arm, events, stop),

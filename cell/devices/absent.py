@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cell.devices.arm import ArmState, Interpolation
 from cell.devices.gripper import GripperState, GripResult
 from cell.geometry import JointPositions, Pose
@@ -220,6 +223,10 @@ class AbsentScreen:
     def show(self, picture: str) -> None:
         """Remember the picture."""
         self._picture = picture
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        """Remember the picture's name."""
+        self._picture = name
 
     def shown(self) -> str:
         """Return the picture that would be shown."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 class Display(Protocol):
     """The television as a switchable device; its picture comes over `Screen`."""
@@ -59,6 +62,17 @@ class Screen(Protocol):
 
         Raises:
             DeviceError: There is no such picture, or it cannot be shown.
+        """
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        """Show any picture, pixel by pixel; it is on when this returns.
+
+        Args:
+            pixels: Shape (1080, 1920, 3), uint8, R G B: the panel's size.
+            name: What it is called in messages.
+
+        Raises:
+            DeviceError: It has not the panel's size, or cannot be shown.
         """
 
     def shown(self) -> str:

@@ -7,8 +7,21 @@ file's fields, one class a table, all frozen.
 from __future__ import annotations
 
 from cell.profile.arms import MelfaProfile
-from cell.profile.cameras import CameraProfile, TwinCameraProfile, WebCameraProfile
-from cell.profile.cell import ArmProfile, CellProfile, Profile, ServerProfile, TwinProfile
+from cell.profile.cameras import (
+    CameraProfile,
+    LensProfile,
+    PlaceProfile,
+    TwinCameraProfile,
+    WebCameraProfile,
+)
+from cell.profile.cell import (
+    ArmProfile,
+    CellProfile,
+    Profile,
+    ServerProfile,
+    TwinLightProfile,
+    TwinProfile,
+)
 from cell.profile.devices import DisplayProfile, GripperProfile, OutputsProfile
 from cell.profile.findings import Finding, InvalidProfile
 from cell.profile.ibm7545 import Ibm7545Profile
@@ -38,6 +51,9 @@ __all__ = [
     "BoxProfile",
     "BugzillaProfile",
     "CameraProfile",
+    "LensProfile",
+    "PlaceProfile",
+    "TwinLightProfile",
     "CellProfile",
     "Colour",
     "DisplayProfile",

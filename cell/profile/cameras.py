@@ -9,7 +9,66 @@ from pydantic import Field, field_validator
 
 from cell.devices.camera import CameraSettings
 from cell.devices.camera_features import FeatureName
+from cell.geometry import (
+    CameraView,
+    LensModel,
+    PlaneMap,
+    PlaneView,
+    Pose,
+    TableView,
+    Transform,
+)
 from cell.profile.table import NotNegative, Positive, Table, Text
+
+_FULL_WIDTH_PX, _FULL_HEIGHT_PX = 1280, 960
+
+
+class LensProfile(Table):
+    """A camera's lens, in pixels of its largest picture (1280 x 960): Brown's model."""
+
+    focal_px: tuple[Positive, Positive]
+    """Focal length in columns and in rows."""
+    centre_px: tuple[float, float]
+    """Column and row where the lens's axis meets the picture."""
+    k1: float = 0.0
+    """First radial coefficient, without a unit."""
+    k2: float = 0.0
+    """Second radial coefficient, without a unit."""
+    p1: float = 0.0
+    """First tangential coefficient, without a unit."""
+    p2: float = 0.0
+    """Second tangential coefficient, without a unit."""
+    k3: float = 0.0
+    """Third radial coefficient, without a unit."""
+
+    def model(self) -> LensModel:
+        """Return the lens as a value."""
+        return LensModel(
+            width_px=_FULL_WIDTH_PX,
+            height_px=_FULL_HEIGHT_PX,
+            focal_u_px=self.focal_px[0],
+            focal_v_px=self.focal_px[1],
+            centre_u_px=self.centre_px[0],
+            centre_v_px=self.centre_px[1],
+            k1=self.k1,
+            k2=self.k2,
+            p1=self.p1,
+            p2=self.p2,
+            k3=self.k3,
+        )
+
+
+class PlaceProfile(Table):
+    """Where a camera stands, in the robot frame."""
+
+    position_mm: tuple[float, float, float]
+    """Where the lens is."""
+    rotation_deg: tuple[float, float, float]
+    """A, B, C of robot-from-camera, R = Rz(C)·Ry(B)·Rx(A); the camera looks along its z."""
+
+    def transform(self) -> Transform:
+        """Return robot-from-camera."""
+        return Transform.from_pose(Pose(*self.position_mm, *self.rotation_deg))
 
 
 class CameraProfile(Table):
@@ -43,6 +102,22 @@ class CameraProfile(Table):
     """GUID of the camera that `plane_map` was measured with; empty if it was not noted."""
     plane_map_date: date | None = None
     """Day on which `plane_map` was measured."""
+    lens: LensProfile | None = None
+    """Its lens, if it was measured; with `place` it takes the place of `plane_map`."""
+    place: PlaceProfile | None = None
+    """Where it stands, if that was measured; only for a camera that does not move."""
+
+    def view(self, block_top_mm: float) -> TableView | None:
+        """Return where its picture lies in the robot frame, None if that was not measured.
+
+        Args:
+            block_top_mm: Height of the block tops, at which a `plane_map` holds.
+        """
+        if self.lens is not None and self.place is not None:
+            return CameraView(self.lens.model(), self.place.transform())
+        if self.plane_map is not None:
+            return PlaneView(PlaneMap(self.plane_map), block_top_mm)
+        return None
 
 
 class WebCameraProfile(Table):

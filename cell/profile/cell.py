@@ -40,6 +40,17 @@ class ServerProfile(Table):
     """How many clients may be connected at once."""
 
 
+class TwinLightProfile(Table):
+    """How the twin's lamps differ from the light that the cameras' settings were made for."""
+
+    level: NotNegative = 1.0
+    """Light of the lamps; 1 is nominal."""
+    red: Positive = 1.0
+    """Red of the lamps' light against its green."""
+    blue: Positive = 1.0
+    """Blue of the lamps' light against its green."""
+
+
 class TwinProfile(Table):
     """How imperfect the twin is."""
 
@@ -47,6 +58,8 @@ class TwinProfile(Table):
     """Standard deviation of where a released block comes to lie."""
     placement_scatter_deg: NotNegative = 0.5
     """Standard deviation of how a released block is turned."""
+    light: TwinLightProfile = TwinLightProfile()
+    """The lamps."""
     cameras: dict[str, TwinCameraProfile]
     """A twin for each camera, by the same names."""
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
 from cell.devices.display import Screen
 from cell.errors import DeviceTimeout
 from cell.reporting import FaultReporter
@@ -28,12 +33,23 @@ class ScreenKeeper:
         Raises:
             DeviceError: There is no such picture, or it cannot be shown.
         """
+        self._twice(lambda: self._screen.show(picture))
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        """Show any picture of the panel's size; it is on when this returns.
+
+        Raises:
+            DeviceError: It has not the panel's size, or cannot be shown.
+        """
+        self._twice(lambda: self._screen.show_pixels(pixels, name))
+
+    def _twice(self, show: Callable[[], None]) -> None:
         try:
-            self._screen.show(picture)
+            show()
             return
         except DeviceTimeout as error:
             late = error
-        self._screen.show(picture)
+        show()
         self._reporter.recovered("screen", f"shown again after: {late.problem}")
 
     def shown(self) -> str:

@@ -94,7 +94,7 @@ class DevicesFile:
         kept = KeptDevices(
             format=_FORMAT,
             world=self._stamp(),
-            picture=behind.world.sent_picture,
+            picture=_lasting(behind.world.sent_picture),
             television=behind.television.kept(now_s),
             cameras={
                 name: KeptCamera(
@@ -109,3 +109,8 @@ class DevicesFile:
 
     def _stamp(self) -> int:
         return self._world.stat().st_mtime_ns
+
+
+def _lasting(picture: str) -> str:
+    """Return a picture that can be shown again by its name alone; patterns cannot."""
+    return picture if picture in PICTURE_NAMES else "black"

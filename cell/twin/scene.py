@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +43,7 @@ class Scene:
         opening_mm: Opening between the fingers.
         picture: Name of the picture on the screen, None while the screen is dark.
         are_lights_on: Whether the cell's lights are on.
+        pixels: What the screen shows, where `cell.pictures` does not have it by its name.
     """
 
     revision: int
@@ -48,3 +52,4 @@ class Scene:
     opening_mm: float
     picture: str | None
     are_lights_on: bool
+    pixels: NDArray[np.uint8] | None = field(default=None, compare=False)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import enum
+import hashlib
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cell.errors import DeviceError, DeviceTimeout
-from cell.pictures import PICTURE_NAMES
+from cell.pictures import HEIGHT_PX, PICTURE_NAMES, WIDTH_PX
 from cell.twin.world import World
 
 
@@ -47,11 +51,21 @@ class TwinScreen:
         if picture not in PICTURE_NAMES:
             known = ", ".join(PICTURE_NAMES)
             raise DeviceError("screen", f"knows no picture {picture!r}", hint=f"use {known}")
-        fault = self._next_fault()
-        if fault is not None:
-            kind = DeviceTimeout if fault is PageFault.LATE else DeviceError
-            raise kind("screen", fault.value, hint=_HINTS[fault])
+        self._require_page()
         self._world.set_picture(picture)
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        """Show any picture of 1920 x 1080 pixels; see `cell.devices.display.Screen`."""
+        if pixels.shape != (HEIGHT_PX, WIDTH_PX, 3) or pixels.dtype != np.uint8:
+            raise DeviceError(
+                "screen",
+                f"cannot show an array of {pixels.dtype} with shape {pixels.shape}",
+                hint=f"give uint8 with shape ({HEIGHT_PX}, {WIDTH_PX}, 3)",
+            )
+        self._require_page()
+        kept = np.ascontiguousarray(pixels)
+        digest = hashlib.blake2b(kept.data, digest_size=8).hexdigest()
+        self._world.set_picture(f"{name} {digest}", kept)
 
     def shown(self) -> str:
         """Return the name of the picture that was shown last."""
@@ -72,6 +86,12 @@ class TwinScreen:
     def mend(self) -> None:
         """Put the page right."""
         self._fault = None
+
+    def _require_page(self) -> None:
+        fault = self._next_fault()
+        if fault is not None:
+            kind = DeviceTimeout if fault is PageFault.LATE else DeviceError
+            raise kind("screen", fault.value, hint=_HINTS[fault])
 
     def _next_fault(self) -> PageFault | None:
         fault = self._fault

@@ -17,6 +17,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cell.clock import Clock
 from cell.geometry import JointPositions, Pose
 from cell.profile import Profile
@@ -80,6 +83,7 @@ class World:
         self._is_lit = False
         self._input = 0
         self._picture = "black"
+        self._pixels: NDArray[np.uint8] | None = None
         self._scene: Scene | None = None
         self._on_change: Callable[[], None] | None = None
 
@@ -119,6 +123,7 @@ class World:
             opening_mm=opening_mm,
             picture=picture,
             are_lights_on=is_lit,
+            pixels=None if picture is None else self._pixels,
         )
         return self._scene
 
@@ -128,9 +133,14 @@ class World:
         is_shown = self._is_lit and self._input == self._profile.display.input
         return self._picture if is_shown else None
 
-    def set_picture(self, name: str) -> None:
-        """Set the picture that the computer sends to the television."""
-        self._picture = name
+    def set_picture(self, name: str, pixels: NDArray[np.uint8] | None = None) -> None:
+        """Set the picture that the computer sends to the television.
+
+        Args:
+            name: Name of the picture; of one of its own pixels, another one for each content.
+            pixels: The picture, None for one that `cell.pictures` has by name.
+        """
+        self._picture, self._pixels = name, pixels
 
     @property
     def sent_picture(self) -> str:

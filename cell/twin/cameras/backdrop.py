@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cell.geometry import Transform
 from cell.profile import TwinCameraProfile
 from cell.twin.cameras.ground import Ground, floor_light, is_on_table
-from cell.twin.cameras.light import UNLIT_SHARE, ScreenGlow, screen_light
+from cell.twin.cameras.light import Lamps, PanelPicture, ScreenGlow, screen_light
 from cell.twin.cameras.optics import GridSpreader, Lens, brightness_map, coarse_rays, pixel_rays
 from cell.twin.cameras.sensor import Exposure
 from cell.twin.cameras.shadows import cast_shadows
@@ -70,15 +70,15 @@ class _Seen:
 
 
 def fixed_backdrop(
-    view: View, robot_from_camera: Transform, picture: str | None, *, are_lights_on: bool
+    view: View, robot_from_camera: Transform, panel: PanelPicture | None, lamps: Lamps
 ) -> Light:
     """Return the light (h, w, 3) that a fixed camera receives from the ground, unclipped."""
     seen = _seen(view, robot_from_camera)
-    light = seen.lamplight * np.float32(1.0 if are_lights_on else UNLIT_SHARE)
-    panel = screen_light(picture)
-    if panel is not None:
+    light = seen.lamplight * np.array(lamps, np.float32)
+    lit = screen_light(panel)
+    if lit is not None:
         shown = cv2.remap(
-            panel, seen.panel_u, seen.panel_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+            lit, seen.panel_u, seen.panel_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
         light += np.asarray(shown) * seen.cover[..., None]
     light *= brightness_map(view.lens)[..., None]
@@ -153,10 +153,10 @@ class MovingBackdrop:
     def draw(
         self,
         robot_from_camera: Transform,
-        picture: str | None,
+        panel: PanelPicture | None,
         exposure: Exposure,
         *,
-        are_lights_on: bool,
+        lamps: Lamps,
         blocks: tuple[SceneBlock, ...],
         glow: ScreenGlow,
     ) -> NDArray[np.uint8]:
@@ -164,10 +164,10 @@ class MovingBackdrop:
 
         The array is drawn into again by the next call.
         """
-        key = (picture, exposure, are_lights_on, blocks)
+        key = (panel, exposure, lamps, blocks)
         if key != self._shaded_key:
             self._shaded_key = key
-            plain = _texture(self._ground, picture, exposure, are_lights_on)
+            plain = _texture(self._ground, panel, exposure, lamps)
             self._shaded = self._with_shadows(plain, blocks, glow)
         texture = self._shaded
         where = self._spreader.spread(self._texture_places(robot_from_camera))
@@ -234,17 +234,17 @@ def _texture_light(ground: Ground) -> tuple[Light, Light, Light, Light]:
 
 @lru_cache(maxsize=4)
 def _texture(
-    ground: Ground, picture: str | None, exposure: Exposure, are_lights_on: bool
+    ground: Ground, panel: PanelPicture | None, exposure: Exposure, lamps: Lamps
 ) -> NDArray[np.uint8]:
     """Return the ground's exposed light over `HEADROOM`, seen from above, four channels."""
     lamplight, panel_u, panel_v, cover = _texture_light(ground)
-    light = lamplight * np.float32(1.0 if are_lights_on else UNLIT_SHARE)
-    panel = screen_light(picture)
-    if panel is not None:
+    light = lamplight * np.array(lamps, np.float32)
+    lit = screen_light(panel)
+    if lit is not None:
         rows, columns = (slice(int(k.min()), int(k.max()) + 1) for k in np.nonzero(cover))
         part = np.s_[rows, columns]
         shown = cv2.remap(
-            cv2.blur(panel, (3, 3)),
+            cv2.blur(lit, (3, 3)),
             panel_u[part],
             panel_v[part],
             cv2.INTER_LINEAR,

@@ -10,14 +10,15 @@ also mirror it (Schlick's approximation of Fresnel).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from cell.pictures import picture
-from cell.profile import DisplayProfile
+from cell.profile import DisplayProfile, TwinLightProfile
 
 WHITE_LEVEL = 250.0
 SCREEN_WHITE_LEVEL = 540.0
@@ -37,6 +38,27 @@ _BRIGHTEST_MM = (520.0, -60.0)
 _MIRROR = 0.04
 _GLOW_CELL_MM = 30.0
 _GLOW_BLUR_MM = 45.0
+
+
+Lamps = tuple[float, float, float]
+"""What the lamps give in R G B, 1 for the nominal light."""
+
+
+@dataclass(frozen=True, slots=True)
+class PanelPicture:
+    """What the panel shows.
+
+    Attributes:
+        name: Tells two pictures apart: a name of `cell.pictures`, or one made of the content.
+        pixels: The picture (1080, 1920, 3), None for one that `cell.pictures` has by name.
+    """
+
+    name: str
+    pixels: NDArray[np.uint8] | None = field(default=None, compare=False)
+
+    def read(self) -> NDArray[np.uint8]:
+        """Return the picture, (1080, 1920, 3), uint8, R G B."""
+        return picture(self.name) if self.pixels is None else self.pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,19 +101,26 @@ def panel_axes(display: DisplayProfile) -> tuple[NDArray[np.float64], NDArray[np
     return right, np.array([right[1], -right[0]])
 
 
-def screen_light(name: str | None) -> NDArray[np.float32] | None:
+def lamps(light: TwinLightProfile, *, are_lights_on: bool) -> Lamps:
+    """Return what the lamps, or the daylight that is left without them, give."""
+    share = light.level * (1.0 if are_lights_on else UNLIT_SHARE)
+    return share * light.red, share, share * light.blue
+
+
+def screen_light(panel: PanelPicture | None) -> NDArray[np.float32] | None:
     """Return the light (1080, 1920, 3) of a picture on the panel, None for a dark panel."""
-    if name is None:
+    if panel is None:
         return None
     table = (np.arange(256) / 255.0) ** SCREEN_GAMMA * SCREEN_WHITE_LEVEL + SCREEN_LEAK_LEVEL
-    return np.asarray(table.astype(np.float32)[picture(name)])
+    return np.asarray(table.astype(np.float32)[panel.read()])
 
 
-def screen_glow(name: str | None, display: DisplayProfile) -> ScreenGlow:
-    """Return the glow of a picture."""
+@lru_cache(maxsize=16)
+def screen_glow(panel: PanelPicture | None, display: DisplayProfile) -> ScreenGlow:
+    """Return the glow of a picture, worked out once."""
     columns = round(display.width_px * display.pixel_mm / _GLOW_CELL_MM)
     rows = round(display.height_px * display.pixel_mm / _GLOW_CELL_MM)
-    light = screen_light(name)
+    light = screen_light(panel)
     if light is None:
         return ScreenGlow(np.zeros((rows, columns, 3), np.float32), display)
     grid = cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA)
@@ -115,7 +144,7 @@ def shade(
     to_camera: NDArray[np.float64],
     glow: ScreenGlow,
     *,
-    are_lights_on: bool,
+    lamplight: Lamps,
 ) -> NDArray[np.float64]:
     """Return the light (n, 3) that faces send to the camera, nominal levels.
 
@@ -126,17 +155,16 @@ def shade(
         centres_mm: Centres of the faces, (n, 3), robot frame.
         to_camera: Unit vectors to the camera, (n, 3).
         glow: The screen's light.
-        are_lights_on: Whether the lamps are on.
+        lamplight: What the lamps give.
     """
-    lamps = _SKY * (0.56 + 0.44 * normals[:, 2])
-    lamps += _DIRECT / _LAMP[2] * np.maximum(normals @ _LAMP, 0.0)
-    lamps *= lamp_share(centres_mm[:, 0], centres_mm[:, 1]) * WHITE_LEVEL
-    lamps *= 1.0 if are_lights_on else UNLIT_SHARE
+    lit = _SKY * (0.56 + 0.44 * normals[:, 2])
+    lit += _DIRECT / _LAMP[2] * np.maximum(normals @ _LAMP, 0.0)
+    lit *= lamp_share(centres_mm[:, 0], centres_mm[:, 1]) * WHITE_LEVEL
     screen = glow.around(centres_mm)
     seen = 0.5 * (1.0 - normals[:, 2])
     height = np.maximum(centres_mm[:, 2] - 55.0, 0.0)
     reach = np.exp(-height / 260.0)
-    matt = reflectance * (lamps[:, None] + screen * (seen * reach)[:, None])
+    matt = reflectance * (lit[:, None] * np.array(lamplight) + screen * (seen * reach)[:, None])
     cosine = np.clip(np.einsum("ij,ij->i", normals, to_camera), 0.0, 1.0)
     mirror = gloss * (_MIRROR + (1.0 - _MIRROR) * (1.0 - cosine) ** 5)
     downward = 2.0 * cosine * normals[:, 2] - to_camera[:, 2] < 0.0

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from cell.geometry import Transform
 from cell.twin.cameras.figures import Figure, middles_mm, place_all
-from cell.twin.cameras.light import ScreenGlow, shade
+from cell.twin.cameras.light import Lamps, ScreenGlow, shade
 from cell.twin.cameras.optics import FULL_WIDTH_PX, Lens
 
 _NEAR_MM = 12.0
@@ -71,13 +71,13 @@ class Brush:
         expose: From light (n, 3) at pixels (n, 2) to canvas levels (n, 3), 0..255.
         glare: From the light around a block to what it exposes to, unclipped.
         glow: The screen's light.
-        are_lights_on: Whether the lamps are on.
+        lamps: What the lamps give.
     """
 
     expose: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.uint8]]
     glare: Callable[[NDArray[np.float64]], NDArray[np.float32]]
     glow: ScreenGlow
-    are_lights_on: bool
+    lamps: Lamps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,7 +185,7 @@ class _Faces:
         seen = centres[facing]
         light = shade(
             colours, gloss, normals[facing], seen, towards[facing], brush.glow,
-            are_lights_on=brush.are_lights_on,
+            lamplight=brush.lamps,
         )  # fmt: skip
         levels = np.zeros((len(normals), 3), np.uint8)
         levels[facing] = brush.expose(light, _safe_pixels(eye.to_camera(seen), eye.lens))

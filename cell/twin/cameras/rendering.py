@@ -19,7 +19,7 @@ from cell.twin.cameras.arm_shape import ArmSkeleton, GripperLook, arm_figures, b
 from cell.twin.cameras.backdrop import MovingBackdrop, View, fixed_backdrop
 from cell.twin.cameras.figures import Figure
 from cell.twin.cameras.ground import PAINT, Ground
-from cell.twin.cameras.light import ScreenGlow, screen_glow
+from cell.twin.cameras.light import Lamps, PanelPicture, ScreenGlow, lamps, screen_glow
 from cell.twin.cameras.optics import FULL_WIDTH_PX, Lens, lens_for_mode
 from cell.twin.cameras.painter import Brush, Eye, Sketch, paint, sketch
 from cell.twin.cameras.sensor import Exposure, SensorNoise
@@ -51,6 +51,15 @@ class Shot:
     number: int
     is_covered: bool = False
     defocus_px: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Light:
+    """Everything that shines."""
+
+    panel: PanelPicture | None
+    lamps: Lamps
+    glow: ScreenGlow
 
 
 class Renderer:
@@ -114,31 +123,33 @@ class Renderer:
         points, tool = self._arm.chain(scene.joints_deg)
         rotation, tool_point = _split(tool)
         eye = Eye(self._lens, self._robot_from_camera(rotation, tool_point))
-        glow = _glow(scene.picture, self._profile)
+        panel = None if scene.picture is None else PanelPicture(scene.picture, scene.pixels)
+        lamplight = lamps(self._profile.twin.light, are_lights_on=scene.are_lights_on)
+        light = _Light(panel, lamplight, screen_glow(panel, self._profile.display))
         ground_blocks = standing(scene.blocks, self._ground.surface_mm)
         if self._moving is None:
-            canvas = self._fixed_canvas(scene, ground_blocks, eye, exposure, glow)
+            canvas = self._fixed_canvas(ground_blocks, eye, exposure, light)
         else:
             canvas = self._moving.draw(
                 eye.robot_from_camera,
-                scene.picture,
+                panel,
                 exposure,
-                are_lights_on=scene.are_lights_on,
+                lamps=lamplight,
                 blocks=ground_blocks,
-                glow=glow,
+                glow=light.glow,
             )
         brush = Brush(
             expose=_levels(exposure, self._lens),
             glare=exposure.linear,
-            glow=glow,
-            are_lights_on=scene.are_lights_on,
+            glow=light.glow,
+            lamps=lamplight,
         )
         held, free = self._split_blocks(scene, rotation, tool_point)
         hand = self._hand(scene, eye, rotation, tool_point, held)
         moving = [*hand, *arm_figures(points, self._ground.surface_mm)]
         still = [*self._boxes, *(self._block(block) for block in free)]
         if self._is_fixed:
-            key = (scene.picture, scene.are_lights_on, exposure)
+            key = (panel, lamplight, exposure)
             sketches = sketch(moving, eye, brush) + self._sketch_still(still, eye, brush, key)
         else:
             sketches = sketch(moving + still, eye, brush)
@@ -170,20 +181,19 @@ class Renderer:
 
     def _fixed_canvas(
         self,
-        scene: Scene,
         blocks: tuple[SceneBlock, ...],
         eye: Eye,
         exposure: Exposure,
-        glow: ScreenGlow,
+        light: _Light,
     ) -> NDArray[np.uint8]:
         """Return a copy of the kept backdrop with the shadows of standing blocks on it."""
-        base_key = (scene.picture, scene.are_lights_on, exposure)
+        base_key = (light.panel, light.lamps, exposure)
         key = (*base_key, blocks)
         kept = self._backdrops.get(key)
         if kept is None:
             base = self._backdrops.get(base_key)
             if base is None:
-                base = self._developed_backdrop(scene, eye, exposure)
+                base = self._developed_backdrop(light, eye, exposure)
                 self._keep(base_key, base)
             kept = base.copy()
 
@@ -192,17 +202,15 @@ class Renderer:
                 return None if camera[:, 2].min() < 50.0 else eye.lens.project(camera)
 
             surface_mm = self._ground.surface_mm
-            cast_shadows(kept, blocks, self._profile.blocks, surface_mm, to_pixels, glow)
+            cast_shadows(kept, blocks, self._profile.blocks, surface_mm, to_pixels, light.glow)
             self._keep(key, kept)
         np.copyto(self._canvas, kept)
         return self._canvas
 
-    def _developed_backdrop(self, scene: Scene, eye: Eye, exposure: Exposure) -> NDArray[np.uint8]:
+    def _developed_backdrop(self, light: _Light, eye: Eye, exposure: Exposure) -> NDArray[np.uint8]:
         view = View(self._ground, eye.lens, self._placing)
-        light = fixed_backdrop(
-            view, eye.robot_from_camera, scene.picture, are_lights_on=scene.are_lights_on
-        )
-        blurred = np.asarray(cv2.GaussianBlur(light, _LENS_BLUR, 0), np.float32)
+        received = fixed_backdrop(view, eye.robot_from_camera, light.panel, light.lamps)
+        blurred = np.asarray(cv2.GaussianBlur(received, _LENS_BLUR, 0), np.float32)
         return exposure.levels(exposure.linear(blurred))
 
     def _keep(self, key: tuple[object, ...], backdrop: NDArray[np.uint8]) -> None:
@@ -291,17 +299,6 @@ def _flange_camera(profile: Profile, itself: str) -> tuple[float, float, float] 
         if placing.mount == "flange" and name != itself:
             return placing.position_mm
     return None
-
-
-_glows: dict[tuple[str | None, object], ScreenGlow] = {}
-
-
-def _glow(picture: str | None, profile: Profile) -> ScreenGlow:
-    """Return the glow of a picture on the profile's panel, worked out once."""
-    key = (picture, profile.display)
-    if key not in _glows:
-        _glows[key] = screen_glow(picture, profile.display)
-    return _glows[key]
 
 
 def _levels(

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cell.assembly import assemble_hardware, assemble_twin
 from cell.assembly.models import emulate_cell, emulate_model
@@ -34,6 +36,9 @@ class BareScreen:
 
     def show(self, picture: str) -> None:
         self._shown = picture
+
+    def show_pixels(self, pixels: NDArray[np.uint8], name: str = "pixels") -> None:
+        self._shown = name
 
     def shown(self) -> str:
         return self._shown
