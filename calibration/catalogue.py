@@ -1,0 +1,97 @@
+"""The procedures there are: name, where each is, what it does in a line.
+
+The modules are imported only when their procedure is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Final, NamedTuple, cast
+
+from calibration.errors import CalibrationError
+from calibration.procedure import Procedure
+from calibration.record import CalibrationRecord
+from cell.profile import CellProfile
+from cell.store import StorePlan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Site:
+    """What a procedure may know of the cell beforehand.
+
+    Attributes:
+        profile: The cell's profile, with the calibrations in force applied.
+        plan: The store; None for a cell without one.
+        current: The calibrations in force.
+    """
+
+    profile: CellProfile
+    plan: StorePlan | None
+    current: tuple[CalibrationRecord, ...]
+
+
+class Entry(NamedTuple):
+    """One procedure.
+
+    Attributes:
+        name: What is typed after `cell calibrate`.
+        kind: Kind of the record it makes.
+        target: Module and function, as `module:function`; the function takes a `Site`.
+        check: The same for the procedure that checks a record on fresh pictures; empty where
+            there is none. That function takes a `Site` and the record.
+        summary: What it does.
+    """
+
+    name: str
+    kind: str
+    target: str
+    check: str
+    summary: str
+
+
+CATALOGUE: Final[tuple[Entry, ...]] = ()
+"""In the order in which a new cell is calibrated."""
+
+
+def start(name: str, site: Site) -> Procedure:
+    """Return a fresh generator of a procedure.
+
+    Raises:
+        CalibrationError: There is no such procedure.
+    """
+    make = cast(Callable[[Site], Procedure], _load(entry_of(name).target))
+    return make(site)
+
+
+def start_check(record: CalibrationRecord, site: Site) -> Procedure:
+    """Return a fresh generator of the procedure that checks a record.
+
+    Raises:
+        CalibrationError: Records of this kind cannot be checked.
+    """
+    target = next((e.check for e in CATALOGUE if e.kind == record.kind), "")
+    if not target:
+        raise CalibrationError(f"there is no check of a {record.kind}; calibrate it again")
+    make = cast(Callable[[Site, CalibrationRecord], Procedure], _load(target))
+    return make(site, record)
+
+
+def entry_of(name: str) -> Entry:
+    """Return a procedure's entry.
+
+    Raises:
+        CalibrationError: There is no such procedure.
+    """
+    for entry in CATALOGUE:
+        if entry.name == name:
+            return entry
+    known = ", ".join(entry.name for entry in CATALOGUE)
+    raise CalibrationError(f"there is no procedure {name!r}; there are {known}")
+
+
+def _load(target: str) -> object:
+    module, _, name = target.partition(":")
+    found: object = getattr(import_module(module), name)
+    return found

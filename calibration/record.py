@@ -1,0 +1,170 @@
+"""What a calibration leaves behind: what was measured, how, what came out, how good it is.
+
+A procedure returns a `Measurement`. Whoever ran it adds when, in which cell, with which
+versions and built on which other calibrations: a `CalibrationRecord`. Its identity is the
+digest of its content.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from datetime import datetime
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue
+
+from calibration.verdict import Finding, Grade, worst
+
+FORMAT = 1
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="null")
+
+
+class Sample(_Part):
+    """One thing that was measured."""
+
+    label: str
+    """Its name, such as `pair 3`."""
+    given: tuple[float, ...] = ()
+    """What was known of it, such as robot x, y in mm."""
+    measured: tuple[float, ...] = ()
+    """What was measured, such as picture u, v in px."""
+    residual: tuple[float, ...] = ()
+    """Measured less fitted, in the unit of the fit."""
+    residual_mm: float | None = None
+    """How far it lies from the fit at the playground."""
+    held_out_mm: float | None = None
+    """How far it lies from a fit that was made without it."""
+    is_used: bool = True
+    """Whether it was fitted on."""
+    picture: str = ""
+    """Digest of the picture it was found in; empty without one."""
+
+
+class Parameter(_Part):
+    """One fitted number."""
+
+    name: str
+    value: float
+    unit: str = ""
+    deviation: float | None = None
+    """Its standard deviation; None where it is not known."""
+
+
+class Correlation(_Part):
+    """Two parameters that the samples hardly tell apart."""
+
+    first: str
+    second: str
+    value: float
+
+
+class Accuracy(_Part):
+    """How good it is, in millimetres at the playground unless said."""
+
+    fit_rms: float | None = None
+    """Of the samples that were fitted on; says little where they are few."""
+    held_out_rms: float | None = None
+    """Of points that were not fitted on; None where there are none."""
+    held_out_max: float | None = None
+    held_out_count: int = 0
+    how: str = ""
+    """Which points those are, such as `leave-one-out` or `3 fresh points`."""
+    predicted_rms: float | None = None
+    """What the covariance predicts over the region; None where it is not known."""
+    predicted_max: float | None = None
+    """The same at the region's worst place, 95 %."""
+    unit: str = "mm"
+
+    @property
+    def stated(self) -> float | None:
+        """The figure that a demand is held against: held out, else predicted."""
+        return self.held_out_rms if self.held_out_rms is not None else self.predicted_rms
+
+
+class Region(_Part):
+    """Where it holds."""
+
+    text: str
+    """In words."""
+    outline_mm: tuple[tuple[float, float], ...] = ()
+    """Corners in the robot frame; empty where it is no region of the table."""
+
+
+class Measurement(_Part):
+    """What a procedure found."""
+
+    kind: str
+    """What was calibrated, such as `homography`."""
+    subject: str
+    """Of what, such as the camera `top`; `cell` where there is one only."""
+    method: str
+    """How, in a sentence."""
+    samples: tuple[Sample, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    covariance: tuple[tuple[float, ...], ...] = ()
+    """Of the parameters, in their order; empty where it is not known."""
+    correlations: tuple[Correlation, ...] = ()
+    """Above 0.8."""
+    accuracy: Accuracy = Accuracy()
+    region: Region = Region(text="")
+    findings: tuple[Finding, ...] = ()
+    values: dict[str, JsonValue] = Field(default_factory=dict)
+    """What it sets in the profile: dotted path, value."""
+    details: dict[str, JsonValue] = Field(default_factory=dict)
+    """Whatever else belongs to this kind, for `show` and `check`."""
+    based_on: tuple[str, ...] = ()
+    """Identities of the calibrations that went into it."""
+    not_known: tuple[str, ...] = ()
+    """What it cannot say, a sentence each."""
+
+    @property
+    def grade(self) -> Grade:
+        """Its verdict."""
+        return worst(self.findings)
+
+
+class CalibrationRecord(Measurement):
+    """A measurement with its provenance."""
+
+    format: int = FORMAT
+    cell: str
+    """Name of the cell."""
+    measured_at: datetime
+    """When, with the time zone."""
+    versions: dict[str, str]
+    """Of this program and the libraries that fitted."""
+    answers: dict[str, JsonValue] = Field(default_factory=dict)
+    """What was answered to the procedure's questions."""
+
+    @property
+    def identity(self) -> str:
+        """Digest of the content, 64 hexadecimal digits."""
+        return hashlib.sha256(self.canonical()).hexdigest()
+
+    def canonical(self) -> bytes:
+        """Return the content in one fixed form."""
+        data = self.model_dump(mode="json")
+        return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def make_record(
+    measurement: Measurement,
+    *,
+    cell: str,
+    measured_at: datetime,
+    versions: Mapping[str, str],
+    answers: Mapping[str, JsonValue],
+) -> CalibrationRecord:
+    """Return a measurement with its provenance."""
+    content = {name: getattr(measurement, name) for name in Measurement.model_fields}
+    return CalibrationRecord(
+        **content,
+        cell=cell,
+        measured_at=measured_at,
+        versions=dict(versions),
+        answers=dict(answers),
+    )
