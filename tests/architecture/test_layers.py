@@ -65,6 +65,7 @@ def test_a_light_module_loads_nothing_heavy(module: str, heavy: tuple[str, ...])
 def test_every_own_error_stands_in_its_package_tree() -> None:
     for package, base in (
         ("cell", "CellError"),
+        ("calibration", "CalibrationError"),
         ("dsl", "DslError"),
         ("sessions", "SessionsError"),
     ):
