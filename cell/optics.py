@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.devices.camera import MODES, Camera, CameraMode, Frame
+from cell.devices.camera import MODES, Camera, CameraMode, CameraSettings, Frame
 from cell.devices.display import Screen
 from cell.errors import DeviceError
 from cell.events import EventBus, FrameTaken, LightsSwitched, PictureShown
@@ -30,6 +30,7 @@ class CellOptics:
         screen: The picture on the television.
         keeper: Sees to it that the television shows the picture.
         cameras: The cameras by name.
+        settings_by_light: Settings of cameras that differ with the lights: on, off.
         reporter: Told what was brought back.
         events: Told what is switched, shown and taken.
 
@@ -47,6 +48,7 @@ class CellOptics:
         cameras: Mapping[str, Camera],
         reporter: FaultReporter,
         events: EventBus,
+        settings_by_light: Mapping[str, tuple[CameraSettings, CameraSettings]] | None = None,
     ) -> None:
         self._arm = arm
         self._outputs = outputs
@@ -57,6 +59,9 @@ class CellOptics:
         self._pictures = CameraKeeper(reporter)
         self._events = events
         self._last_frames: dict[str, Frame] = {}
+        self._settings_by_light = dict(settings_by_light or {})
+        self._are_lights_on = True
+        self._set_for_light: dict[str, bool] = dict.fromkeys(self._settings_by_light, True)
         self.is_display_up = False
 
     def set_output(self, bit: int, *, is_on: bool) -> None:
@@ -67,6 +72,7 @@ class CellOptics:
     def switch_lights(self, *, is_on: bool) -> None:
         """Switch the cell's lights."""
         self.set_output(self._outputs.lights, is_on=is_on)
+        self._are_lights_on = is_on
         self._events.emit(LightsSwitched(is_on))
 
     def shown(self) -> str:
@@ -113,6 +119,7 @@ class CellOptics:
             raise DeviceError(f"camera {camera}", f"is not in the profile; known are {known}")
         mode = camera_mode(camera, width_px, height_px)
         with self._watch.over("camera"):
+            self._set_for_lights(device)
             frame = self._pictures.grab(device, mode)
         if self._last_frames.get(camera) is not frame:
             self._last_frames[camera] = frame
@@ -120,6 +127,17 @@ class CellOptics:
                 FrameTaken(camera, frame.number, frame.pixels.shape[1], frame.pixels.shape[0])
             )
         return frame
+
+    def _set_for_lights(self, camera: Camera) -> None:
+        """Give a camera the settings of the lights' state when that has changed.
+
+        Only then: what somebody sets by hand in between stays.
+        """
+        pair = self._settings_by_light.get(camera.name)
+        if pair is None or self._set_for_light[camera.name] == self._are_lights_on:
+            return
+        camera.configure(pair[0] if self._are_lights_on else pair[1]).require()
+        self._set_for_light[camera.name] = self._are_lights_on
 
     def close_cameras(self) -> None:
         """Stop all cameras."""

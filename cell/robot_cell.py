@@ -111,6 +111,11 @@ class RobotCell:
             cameras=self.cameras,
             reporter=reporter,
             events=events,
+            settings_by_light={
+                name: (device.settings, device.settings_lights_off)
+                for name, device in profile.cameras.items()
+                if device.settings_lights_off is not None
+            },
         )
         self._power = CellPower(
             profile,

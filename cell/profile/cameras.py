@@ -92,7 +92,10 @@ class CameraProfile(Table):
     """Raw values by feature, for backends that do not reach absolute ones (FireWire and video
     devices through OpenCV); they go before `settings`."""
     settings: CameraSettings
-    """Absolute values of the camera's features."""
+    """Absolute values of the camera's features, with the lights on."""
+    settings_lights_off: CameraSettings | None = None
+    """The same with the lights off, where the camera shall be set otherwise then; for backends
+    that reach absolute values."""
     plane_map: (
         tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
         | None
@@ -106,6 +109,12 @@ class CameraProfile(Table):
     """Its lens, if it was measured; with `place` it takes the place of `plane_map`."""
     place: PlaceProfile | None = None
     """Where it stands, if that was measured; only for a camera that does not move."""
+
+    def settings_for(self, *, are_lights_on: bool) -> CameraSettings:
+        """Return the settings for a state of the cell's lights."""
+        if are_lights_on or self.settings_lights_off is None:
+            return self.settings
+        return self.settings_lights_off
 
     def view(self, block_top_mm: float) -> TableView | None:
         """Return where its picture lies in the robot frame, None if that was not measured.

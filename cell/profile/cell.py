@@ -49,6 +49,10 @@ class TwinLightProfile(Table):
     """Red of the lamps' light against its green."""
     blue: Positive = 1.0
     """Blue of the lamps' light against its green."""
+    flicker: Annotated[float, Field(ge=0, le=1)] = 0.0
+    """Share of the lamps' light that swings with the mains, twice a period."""
+    mains_hz: Positive = 50.0
+    """Frequency of the mains."""
 
 
 class TwinProfile(Table):

@@ -107,6 +107,28 @@ def lamps(light: TwinLightProfile, *, are_lights_on: bool) -> Lamps:
     return share * light.red, share, share * light.blue
 
 
+def flicker_share(
+    light: TwinLightProfile, *, shutter_ms: float, number: int, rate_hz: float
+) -> float:
+    """Return what one frame gets of the lamps' mean light while they swing with the mains.
+
+    The light swings twice a period; what is left of the swing in a frame is its mean over
+    the shutter time, which is none for whole swings.
+
+    Args:
+        light: The lamps.
+        shutter_ms: How long the frame is exposed.
+        number: Number of the frame, from which its phase follows.
+        rate_hz: Frames a second.
+    """
+    if light.flicker == 0.0:
+        return 1.0
+    swing_hz = 2.0 * light.mains_hz
+    swings = swing_hz * shutter_ms / 1000.0
+    phase = 2.0 * math.pi * (number * swing_hz / rate_hz % 1.0)
+    return 1.0 + light.flicker * float(np.sinc(swings)) * math.cos(phase)
+
+
 def screen_light(panel: PanelPicture | None) -> NDArray[np.float32] | None:
     """Return the light (1080, 1920, 3) of a picture on the panel, None for a dark panel."""
     if panel is None:

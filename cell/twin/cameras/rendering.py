@@ -19,7 +19,14 @@ from cell.twin.cameras.arm_shape import ArmSkeleton, GripperLook, arm_figures, b
 from cell.twin.cameras.backdrop import MovingBackdrop, View, fixed_backdrop
 from cell.twin.cameras.figures import Figure
 from cell.twin.cameras.ground import PAINT, Ground
-from cell.twin.cameras.light import Lamps, PanelPicture, ScreenGlow, lamps, screen_glow
+from cell.twin.cameras.light import (
+    Lamps,
+    PanelPicture,
+    ScreenGlow,
+    flicker_share,
+    lamps,
+    screen_glow,
+)
 from cell.twin.cameras.optics import FULL_WIDTH_PX, Lens, lens_for_mode
 from cell.twin.cameras.painter import Brush, Eye, Sketch, paint, sketch
 from cell.twin.cameras.sensor import Exposure, SensorNoise
@@ -91,6 +98,7 @@ class Renderer:
         self._placing = placing
         self._arm = arm
         self._seed = seed
+        self._rate_hz = mode.rate_hz
         self._ground = Ground(
             display=profile.display,
             store=profile.store,
@@ -124,7 +132,7 @@ class Renderer:
         rotation, tool_point = _split(tool)
         eye = Eye(self._lens, self._robot_from_camera(rotation, tool_point))
         panel = None if scene.picture is None else PanelPicture(scene.picture, scene.pixels)
-        lamplight = lamps(self._profile.twin.light, are_lights_on=scene.are_lights_on)
+        lamplight = self._lamplight(scene, shot)
         light = _Light(panel, lamplight, screen_glow(panel, self._profile.display))
         ground_blocks = standing(scene.blocks, self._ground.surface_mm)
         if self._moving is None:
@@ -157,6 +165,20 @@ class Renderer:
         groups += [(one,) for one in sketches[len(hand) :]]
         paint(canvas, groups)
         return self._develop(canvas, exposure, shot)
+
+    def _lamplight(self, scene: Scene, shot: Shot) -> Lamps:
+        """Return what the lamps give a frame; daylight does not flicker."""
+        light = self._profile.twin.light
+        given = lamps(light, are_lights_on=scene.are_lights_on)
+        if not scene.are_lights_on:
+            return given
+        share = flicker_share(
+            light,
+            shutter_ms=shot.settings.shutter_ms,
+            number=shot.number,
+            rate_hz=self._rate_hz,
+        )
+        return given[0] * share, given[1] * share, given[2] * share
 
     def _sketch_still(
         self, figures: list[Figure], eye: Eye, brush: Brush, key: tuple[object, ...]
