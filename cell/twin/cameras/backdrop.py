@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cell.geometry import Transform
 from cell.profile import TwinCameraProfile
 from cell.twin.cameras.ground import Ground, floor_light, is_on_table
-from cell.twin.cameras.light import Lamps, PanelPicture, ScreenGlow, screen_light
+from cell.twin.cameras.light import Lamps, PanelPicture, ScreenGlow, screen_light, screen_table
 from cell.twin.cameras.optics import GridSpreader, Lens, brightness_map, coarse_rays, pixel_rays
 from cell.twin.cameras.sensor import Exposure
 from cell.twin.cameras.shadows import cast_shadows
@@ -27,6 +27,9 @@ from cell.twin.scene import SceneBlock
 HEADROOM = 2.0
 """How far beyond white the moving backdrop keeps light, so that vignetting and glare
 act before it clips."""
+
+LENS_BLUR = (3, 3)
+"""Kernel of what every lens blurs."""
 
 _FLOOR_DROP_MM = 840.0
 _FARTHEST_MM = 6000.0
@@ -83,6 +86,58 @@ def fixed_backdrop(
         light += np.asarray(shown) * seen.cover[..., None]
     light *= brightness_map(view.lens)[..., None]
     return light
+
+
+def pattern_levels(
+    view: View,
+    robot_from_camera: Transform,
+    panel: PanelPicture | None,
+    lamps: Lamps,
+    exposure: Exposure,
+) -> NDArray[np.uint8] | None:
+    """Return levels (h, w, 3) of the ground under a grey picture, None for any other picture.
+
+    Patterns to measure with come by the dozen and are grey: one channel is warped and
+    blurred instead of three, and the lamps' part is kept.
+    """
+    settings = exposure.settings
+    is_mixed = settings.saturation_percent != 100.0 or settings.hue_deg != 0.0
+    if panel is None or panel.pixels is None or is_mixed or exposure.is_bent():
+        return None
+    grey = _grey(panel.pixels)
+    if grey is None:
+        return None
+    seen = _seen(view, robot_from_camera)
+    planes = _blurred_lamplight(view, robot_from_camera.matrix.tobytes())
+    shown = cv2.remap(
+        screen_table()[grey], seen.panel_u, seen.panel_v, cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )  # fmt: skip
+    shown = cv2.multiply(shown, seen.cover, dst=shown)
+    shown = cv2.multiply(shown, brightness_map(view.lens), dst=shown)
+    shown = cv2.GaussianBlur(shown, LENS_BLUR, 0)
+    gains = exposure.linear(np.ones(3)).tolist()
+    channels = [
+        cv2.addWeighted(plane, gain * lamp, shown, gain, 0.0, dtype=cv2.CV_8U)
+        for plane, gain, lamp in zip(planes, gains, lamps, strict=True)
+    ]
+    return np.asarray(cv2.merge(channels), np.uint8)
+
+
+def _grey(pixels: NDArray[np.uint8]) -> NDArray[np.uint8] | None:
+    """Return the one channel of a picture (h, w) whose three are the same, None otherwise."""
+    red, green, blue = cv2.split(pixels)
+    is_grey = np.array_equal(red, green) and np.array_equal(red, blue)
+    return np.asarray(red, np.uint8) if is_grey else None
+
+
+@lru_cache(maxsize=4)
+def _blurred_lamplight(view: View, matrix: bytes) -> tuple[Light, ...]:
+    """Return the planes (h, w) of R, G and B of what nominal lamps send to the sensor."""
+    light = _seen_of(view, matrix).lamplight * brightness_map(view.lens)[..., None]
+    return tuple(
+        np.asarray(k, np.float32) for k in cv2.split(cv2.GaussianBlur(light, LENS_BLUR, 0))
+    )
 
 
 @lru_cache(maxsize=4)

@@ -38,6 +38,7 @@ _BRIGHTEST_MM = (520.0, -60.0)
 _MIRROR = 0.04
 _GLOW_CELL_MM = 30.0
 _GLOW_BLUR_MM = 45.0
+_GLOW_STRIDE = 5
 
 
 Lamps = tuple[float, float, float]
@@ -133,8 +134,14 @@ def screen_light(panel: PanelPicture | None) -> NDArray[np.float32] | None:
     """Return the light (1080, 1920, 3) of a picture on the panel, None for a dark panel."""
     if panel is None:
         return None
+    return np.asarray(screen_table()[panel.read()])
+
+
+@lru_cache(maxsize=1)
+def screen_table() -> NDArray[np.float32]:
+    """Return the light (256,) of each value of the panel's pixels."""
     table = (np.arange(256) / 255.0) ** SCREEN_GAMMA * SCREEN_WHITE_LEVEL + SCREEN_LEAK_LEVEL
-    return np.asarray(table.astype(np.float32)[panel.read()])
+    return np.asarray(table, np.float32)
 
 
 @lru_cache(maxsize=16)
@@ -142,14 +149,21 @@ def screen_glow(panel: PanelPicture | None, display: DisplayProfile) -> ScreenGl
     """Return the glow of a picture, worked out once."""
     columns = round(display.width_px * display.pixel_mm / _GLOW_CELL_MM)
     rows = round(display.height_px * display.pixel_mm / _GLOW_CELL_MM)
-    light = screen_light(panel)
-    if light is None:
+    if panel is None:
         return ScreenGlow(np.zeros((rows, columns, 3), np.float32), display)
-    grid = cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA)
+    grid = cv2.resize(_glowing(panel), (columns, rows), interpolation=cv2.INTER_AREA)
     blurred = cv2.GaussianBlur(
         grid, (0, 0), _GLOW_BLUR_MM / _GLOW_CELL_MM, borderType=cv2.BORDER_REPLICATE
     )
     return ScreenGlow(np.asarray(blurred, np.float32), display)
+
+
+def _glowing(panel: PanelPicture) -> NDArray[np.float32]:
+    """Return the light of a picture as the glow needs it: of a pattern, every fifth pixel."""
+    if panel.pixels is None:
+        return np.asarray(screen_table()[panel.read()])
+    part = panel.pixels[_GLOW_STRIDE // 2 :: _GLOW_STRIDE, _GLOW_STRIDE // 2 :: _GLOW_STRIDE]
+    return np.asarray(screen_table()[part])
 
 
 def lamp_share(x_mm: NDArray[np.floating], y_mm: NDArray[np.floating]) -> NDArray[np.floating]:

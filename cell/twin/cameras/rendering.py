@@ -16,7 +16,13 @@ from cell.kinematics import Matrix34
 from cell.profile import BlockProfile, Profile, TwinCameraProfile
 from cell.store import StoreSlot
 from cell.twin.cameras.arm_shape import ArmSkeleton, GripperLook, arm_figures, box_figures
-from cell.twin.cameras.backdrop import MovingBackdrop, View, fixed_backdrop
+from cell.twin.cameras.backdrop import (
+    LENS_BLUR,
+    MovingBackdrop,
+    View,
+    fixed_backdrop,
+    pattern_levels,
+)
 from cell.twin.cameras.figures import Figure
 from cell.twin.cameras.ground import PAINT, Ground
 from cell.twin.cameras.light import (
@@ -37,7 +43,6 @@ from cell.twin.scene import Scene, SceneBlock
 _BLOCK_GLOSS = 1.0
 _KEPT_BACKDROPS = 8
 _KEPT_SKETCHES = 200
-_LENS_BLUR = (3, 3)
 _UNKNOWN_PAINT: Colour = (0.4, 0.4, 0.4)
 
 
@@ -231,8 +236,12 @@ class Renderer:
 
     def _developed_backdrop(self, light: _Light, eye: Eye, exposure: Exposure) -> NDArray[np.uint8]:
         view = View(self._ground, eye.lens, self._placing)
-        received = fixed_backdrop(view, eye.robot_from_camera, light.panel, light.lamps)
-        blurred = np.asarray(cv2.GaussianBlur(received, _LENS_BLUR, 0), np.float32)
+        place = eye.robot_from_camera
+        pattern = pattern_levels(view, place, light.panel, light.lamps, exposure)
+        if pattern is not None:
+            return pattern
+        received = fixed_backdrop(view, place, light.panel, light.lamps)
+        blurred = np.asarray(cv2.GaussianBlur(received, LENS_BLUR, 0), np.float32)
         return exposure.levels(exposure.linear(blurred))
 
     def _keep(self, key: tuple[object, ...], backdrop: NDArray[np.uint8]) -> None:
