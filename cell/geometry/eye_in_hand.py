@@ -118,12 +118,14 @@ class EyeInHand:
         )
         ahead = turned(away, self.angle_error_deg - 180.0 - both)
         on_table = ahead / self._scale + np.array(self.reference_px)
-        return self._centre + (on_table - self._centre) / self._shrink(height_mm)
+        seen: Points = self._centre + (on_table - self._centre) / self._shrink(height_mm)
+        return seen
 
     def ahead_mm(self, pixels: Points, *, height_mm: float | None = None) -> Points:
         """Return how far right of and above the reference pixel pixels lie on the table."""
         on_table = self._centre + (np.asarray(pixels) - self._centre) * self._shrink(height_mm)
-        return (on_table - np.array(self.reference_px)) * self._scale
+        ahead: Points = (on_table - np.array(self.reference_px)) * self._scale
+        return ahead
 
     def gripper(self, joints_deg: Points) -> Points:
         """Return the gripper's place (..., 2) in mm at joints (..., 2) (4.11, 4.12)."""

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cell.profile.table import Positive, Table
+from cell.geometry.eye_in_hand import EyeInHand
+from cell.profile.table import NotNegative, Positive, Table
 from cell.profile.wires import SerialProfile
 
 Four = tuple[float, float, float, float]
@@ -28,6 +29,43 @@ class ServoProfile(Table):
     """Torque counts for each pulse of error."""
     kv: Four = (0.1, 0.1, 0.1, 0.1)
     """Torque counts for each pulse a second of error's change."""
+
+
+class EyeInHandProfile(Table):
+    """The camera on link 2: what its pixels measure and where it sits (Bloch 1994, 4.3-4.14)."""
+
+    scale_mm: tuple[Positive, Positive] = (1 / 3.56, 1 / 3.48)
+    """Width and height of a pixel on the table (c_x, c_y)."""
+    reference_px: tuple[float, float] = (3.0, 457.0)
+    """Column and row of the reference pixel (b_x, b_y)."""
+    centre_px: tuple[float, float] = (255.0, 241.0)
+    """Column and row where the camera looks straight down."""
+    camera_height_mm: Positive = 420.0
+    """Of the camera over the table."""
+    face_height_mm: NotNegative = 8.0
+    """Of the parts' upper face over the table."""
+    d_t_c_mm: Positive = 81.8
+    """From the gripper's axis to the table point under the reference pixel."""
+    b_angle_deg: float = 137.7
+    """Direction of that way: J1 + J2 + b_angle - 180 in the robot frame."""
+    angle_error_deg: float = 1.8
+    """Turn of the picture against link 2."""
+
+    def value(self, link_mm: tuple[float, float]) -> EyeInHand:
+        """Return the eye in hand of an arm with these links."""
+        return EyeInHand(
+            scale_u_mm=self.scale_mm[0],
+            scale_v_mm=self.scale_mm[1],
+            reference_px=self.reference_px,
+            centre_px=self.centre_px,
+            camera_height_mm=self.camera_height_mm,
+            face_height_mm=self.face_height_mm,
+            d_t_c_mm=self.d_t_c_mm,
+            b_angle_deg=self.b_angle_deg,
+            angle_error_deg=self.angle_error_deg,
+            link_1_mm=link_mm[0],
+            link_2_mm=link_mm[1],
+        )
 
 
 class Ibm7545Profile(Table):
@@ -60,6 +98,8 @@ class Ibm7545Profile(Table):
     work_space: WorkSpaceProfile | None = None
     """Where the tool point may be; anywhere in reach without it."""
     servo: ServoProfile = ServoProfile()
+    eye_in_hand: EyeInHandProfile | None = None
+    """The camera on link 2, if there is one; its calibration sets this and `link_mm`."""
 
     @property
     def rest_deg(self) -> Four:
