@@ -57,6 +57,24 @@ class StorePlan:
         return tuple(sorted(found, key=lambda slot: slot.number))
 
 
+def with_calibration_object(plan: StorePlan, store: StoreProfile) -> StorePlan:
+    """Return a plan with the slot of the cell's calibration object.
+
+    A plan that has a slot of that number, or a store without such an object, stays as it is.
+    """
+    known = store.calibration
+    if known is None or any(slot.number == known.number for slot in plan.slots):
+        return plan
+    own = StoreSlot(
+        number=known.number,
+        kind=known.kind,
+        colour=known.colour,
+        x_mm=known.place_mm[0],
+        y_mm=known.place_mm[1],
+    )
+    return StorePlan((*plan.slots, own))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TablePlace:
     """A place for a block in the robot frame.

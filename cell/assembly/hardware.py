@@ -23,7 +23,7 @@ from cell.profile import Profile
 from cell.reporting import FaultReporter
 from cell.robot_cell import RobotCell
 from cell.stop import StopToken
-from cell.store import StorePlan
+from cell.store import StorePlan, with_calibration_object
 
 _log = logging.getLogger(__name__)
 
@@ -84,7 +84,7 @@ def assemble_hardware(
             screen=screen,
             cameras=hardware_cameras(profile, clock) if cameras is None else cameras,
             ledger=ledger,
-            plan=plan,
+            plan=with_calibration_object(plan, profile.store),
             events=events,
             clock=clock,
             stop=stop,

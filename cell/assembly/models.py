@@ -19,7 +19,7 @@ from cell.profile import (
     SerialProfile,
     load_cell_profile,
 )
-from cell.store import StorePlan
+from cell.store import StorePlan, with_calibration_object
 from cell.twin.emulators.ibm7545 import RegisterBridge, Slave, SlaveSettings
 from cell.twin.emulators.melfa_r3.ethernet import EthernetPort
 from cell.twin.emulators.ssc32 import ServoBank, Ssc32Controller, Ssc32ControllerSettings
@@ -142,6 +142,7 @@ def _playground_devices(
     profile: Profile, plan: StorePlan, clock: Clock, seed: int, *, on_network: bool
 ) -> tuple[EmulatedDevice, ...]:
     kinematics = SixAxisArm.from_profile(profile.arm)
+    plan = with_calibration_object(plan, profile.store)
     world = World(profile, kinematics, clock, blocks_in_store(profile, plan), seed=seed)
     devices = emulate_devices(profile, world, kinematics, seed=seed)
     lock = threading.RLock()

@@ -19,7 +19,7 @@ from cell.motion.guarded import GuardedArm
 from cell.profile import Profile
 from cell.reporting import FaultReporter
 from cell.stop import StopToken
-from cell.store import StorePlan
+from cell.store import StorePlan, with_calibration_object
 from cell.twin.behind import Behind
 from cell.twin.cameras.camera import TwinCamera
 from cell.twin.keeping import WorldFile
@@ -66,6 +66,7 @@ def assemble_twin(
     stop = StopToken()
     kinematics = SixAxisArm.from_profile(profile.arm)
     real = truth or profile
+    plan = with_calibration_object(plan, profile.store)
     kept = ExitStack()
     with ExitStack() as taken:
         if state_folder is not None:

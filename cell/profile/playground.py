@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from cell.profile.table import NotNegative, Positive, Table, Text
+from pydantic import Field
+
+from cell.profile.table import Kind, NotNegative, Positive, Table, Text
 
 
 class LatticeProfile(Table):
@@ -18,6 +20,19 @@ class LatticeProfile(Table):
     """Robot x and y of the lattice point (0, 0)."""
 
 
+class CalibrationObjectProfile(Table):
+    """The block that calibrations are made with; it has its own slot, and no task may take it."""
+
+    number: Annotated[int, Field(ge=1)]
+    """Number of its slot."""
+    kind: Kind
+    """Its kind, one of `blocks`; a cylinder, whose centre does not depend on how it is turned."""
+    colour: Text
+    """Its colour."""
+    place_mm: tuple[float, float]
+    """Where its slot lies on the store plan: to the right and down from the corner."""
+
+
 class StoreProfile(Table):
     """Where the store plan lies: plan x along `angle_deg`, plan y to its right."""
 
@@ -25,6 +40,8 @@ class StoreProfile(Table):
     """Robot x and y of the plan's upper left corner."""
     angle_deg: float = 0.0
     """Angle from robot X to plan x, counter-clockwise."""
+    calibration: CalibrationObjectProfile | None = None
+    """The calibration object, if the store has one."""
 
 
 class HeightsProfile(Table):

@@ -142,7 +142,19 @@ def _fingers(profile: Profile) -> Iterator[Problem]:
         )
 
 
+def _calibration_object(profile: Profile) -> Iterator[Problem]:
+    """The calibration object is of a kind of block that the profile knows."""
+    known = profile.store.calibration
+    if known is not None and known.kind not in profile.blocks:
+        yield Problem(
+            ("store", "calibration", "kind"),
+            f"the calibration object is a {known.kind}, and no such block is given",
+            f"use {', '.join(profile.blocks)}",
+        )
+
+
 PLAYGROUND_RULES = (
+    PlaygroundRule(("store", "blocks"), _calibration_object),
     PlaygroundRule(("outputs",), _outputs),
     PlaygroundRule(("heights",), _heights),
     PlaygroundRule(("heights", "gripper"), _fingertips),
