@@ -1,0 +1,1 @@
+"""Lenses from pictures of a board: fitted, judged, checked."""

@@ -1,0 +1,1 @@
+"""Where the lattice lies in the robot frame: fitted, judged, checked."""
