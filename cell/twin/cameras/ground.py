@@ -8,7 +8,6 @@ that their pixels see.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.profile import BlockProfile, DisplayProfile, StoreProfile
+from cell.sheet import SheetLayout, draw_sheet, lay_out, raster
 from cell.store import StoreSlot
 from cell.twin.cameras.light import WHITE_LEVEL, lamp_share, panel_axes
 
@@ -32,7 +32,7 @@ table (Dubec 2011, 5.6) under the cell's lamps."""
 
 _BEZEL_MM = 16.0
 _SHEET_PX_MM = 0.5
-_SHEET_SIZE_MM = (552.0, 368.0)
+_PAPER_REFLECTANCE = 0.88
 _TABLE = np.array([0.64, 0.63, 0.60], np.float32)
 _BEZEL = np.array([0.045, 0.045, 0.05], np.float32)
 _GLASS = np.array([0.058, 0.062, 0.07], np.float32)
@@ -105,13 +105,18 @@ class Ground:
         angle = math.radians(self.store.angle_deg)
         along = np.array([math.cos(angle), math.sin(angle)])
         across = np.array([along[1], -along[0]])
-        wide, tall = _SHEET_SIZE_MM
+        wide, tall = self.sheet_size_mm()
         sheet = [
             np.array(self.store.corner_mm) + along * (wide * i) + across * (tall * j)
             for i in (0, 1)
             for j in (0, 1)
         ]
         return np.array(panel + sheet)
+
+    def sheet_size_mm(self) -> tuple[float, float]:
+        """Return width and height of the store's sheet."""
+        layout = _layout(self.slots, self.blocks)
+        return float(layout.width_mm), float(layout.height_mm)
 
     def panel_cover(self, x_mm: Plane, y_mm: Plane, px_mm: Plane | float) -> Plane:
         """Return how much of each point's pixel the panel covers, 0..1."""
@@ -127,10 +132,10 @@ class Ground:
 
     def _lay_sheet(self, light: Plane, x_mm: Plane, y_mm: Plane, px_mm: Plane | float) -> None:
         along, below = self._sheet_mm(x_mm, y_mm)
-        cover = _inside(along, below, *_SHEET_SIZE_MM, px_mm, 0.0)
+        cover = _inside(along, below, *self.sheet_size_mm(), px_mm, 0.0)
         if not cover.any():
             return
-        sheet = store_sheet(self.slots, self.blocks)
+        sheet = _softened(store_sheet(self.slots, self.blocks), cover, px_mm)
         seen = cv2.remap(
             sheet,
             np.asarray(along / _SHEET_PX_MM - 0.5, np.float32),
@@ -138,7 +143,7 @@ class Ground:
             cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_REPLICATE,
         )
-        paper = np.asarray(seen, np.float32) * np.float32(0.88 / 255.0)
+        paper = np.asarray(seen, np.float32) * np.float32(_PAPER_REFLECTANCE / 255.0)
         light += cover[..., None] * (paper - light)
 
 
@@ -163,6 +168,16 @@ def _inside(
         np.minimum(along + grow, wide + grow - along), np.minimum(below + grow, tall + grow - below)
     )
     return np.asarray(np.clip(inner / px_mm + 0.5, 0.0, 1.0), np.float32)
+
+
+def _softened(sheet: NDArray[np.uint8], cover: Plane, px_mm: Plane | float) -> NDArray[np.uint8]:
+    """Return the sheet as pixels see it that cover more of it than one of its own."""
+    there = cover > 0
+    typical = float(np.median(px_mm[there])) if isinstance(px_mm, np.ndarray) else px_mm
+    sigma = 0.35 * typical / _SHEET_PX_MM
+    if sigma < 0.4:
+        return sheet
+    return np.asarray(cv2.GaussianBlur(sheet, (0, 0), sigma), np.uint8)
 
 
 def _mix(light: Plane, cover: Plane, colour: NDArray[np.float32]) -> None:
@@ -193,42 +208,17 @@ def _grain() -> Plane:
 
 
 @lru_cache(maxsize=4)
+def _layout(
+    slots: tuple[StoreSlot, ...], blocks: tuple[tuple[str, BlockProfile], ...]
+) -> SheetLayout:
+    return lay_out(slots, dict(blocks))
+
+
+@lru_cache(maxsize=4)
 def store_sheet(
-    slots: tuple[StoreSlot, ...], blocks: Sequence[tuple[str, BlockProfile]]
+    slots: tuple[StoreSlot, ...], blocks: tuple[tuple[str, BlockProfile], ...]
 ) -> NDArray[np.uint8]:
-    """Draw the printed plan of the store, (h, w, 3), two pixels a millimetre."""
-    wide, tall = (round(size / _SHEET_PX_MM) for size in _SHEET_SIZE_MM)
-    sheet = np.full((tall, wide, 3), 250, np.uint8)
-    step = round(55 / _SHEET_PX_MM)
-    for x in range(step, wide, step):
-        cv2.line(sheet, (x, 0), (x, tall), (226, 232, 238), 2)
-    for y in range(round(50 / _SHEET_PX_MM), tall, round(50 / _SHEET_PX_MM)):
-        cv2.line(sheet, (0, y), (wide, y), (226, 232, 238), 2)
-    cv2.rectangle(sheet, (8, 8), (wide - 9, tall - 9), (60, 70, 80), 3)
-    sizes = dict(blocks)
-    for slot in slots:
-        _print_slot(sheet, slot, sizes[slot.kind])
+    """Return the printed plan of the store, (h, w, 3), two pixels a millimetre."""
+    sheet = raster(draw_sheet(_layout(slots, blocks)), 1.0 / _SHEET_PX_MM)
     sheet.setflags(write=False)
     return sheet
-
-
-def _print_slot(sheet: NDArray[np.uint8], slot: StoreSlot, size: BlockProfile) -> None:
-    """Print a slot: the block's outline in its colour, and its number."""
-    ink = [WHITE_LEVEL * c for c in PAINT.get(slot.colour, (0.3, 0.3, 0.3))]
-    pale = [255 - (255 - c) * 0.35 for c in ink]
-    x, y = slot.x_mm / _SHEET_PX_MM, slot.y_mm / _SHEET_PX_MM
-    if size.shape == "cylinder":
-        radius = round(size.length_mm / 2 / _SHEET_PX_MM) + 4
-        cv2.circle(sheet, (round(x), round(y)), radius, pale, -1, cv2.LINE_AA)
-        cv2.circle(sheet, (round(x), round(y)), radius, ink, 4, cv2.LINE_AA)
-    else:
-        half_x = size.length_mm / 2 / _SHEET_PX_MM + 4
-        half_y = size.width_mm / 2 / _SHEET_PX_MM + 4
-        corners = (round(x - half_x), round(y - half_y)), (round(x + half_x), round(y + half_y))
-        cv2.rectangle(sheet, *corners, pale, -1)
-        cv2.rectangle(sheet, *corners, ink, 4, cv2.LINE_AA)
-    offset = size.width_mm / 2 / _SHEET_PX_MM + 34
-    place = (round(x) - 12, round(y + offset))
-    cv2.putText(
-        sheet, str(slot.number), place, cv2.FONT_HERSHEY_SIMPLEX, 0.8, (40, 46, 54), 2, cv2.LINE_AA
-    )
