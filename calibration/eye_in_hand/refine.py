@@ -4,8 +4,8 @@ The point's own place is fitted along and thrown away. What the samples can tell
 
 - In looks alone link 2 and the part of the camera's offset along it are one sum, since both
   turn with J1 + J2: only the gripper over the point (a touch) parts them.
-- The picture's turn, angle_error, is seen from a point that falls on different pixels. A line
-  whose direction nobody knows says nothing about it, however often it is looked at: turn and
+- The picture's turn, angle_error, is seen from a point that falls on different pixels, as it
+  does whenever the arm stands otherwise: only one pose has it on a given pixel. A line whose direction nobody knows says nothing about it, however often it is looked at: turn and
   direction are one sum. A line of known direction does.
 - The camera's offset is parted from the point's place by turning J1 + J2, link 1 from both by
   turning J2.
@@ -209,19 +209,20 @@ def refine(
         )
     model = _Model(samples, eye, height_mm)
     start = _start(model, eye)
-    free = _seen(model.slopes(start), start.size, may_hold=may_hold)
-
-    def whole(part: Array) -> Array:
+    for hold in _HOLD if may_hold else _HOLD[:1]:
+        free = tuple(i for i in range(start.size) if i not in hold)
         values = start.copy()
-        values[list(free)] = part
-        return values
-
-    found = fit(
-        lambda part: model.residuals(whole(part)),
-        start[list(free)],
-        jacobian=lambda part: model.slopes(whole(part))[:, list(free)],
-    )
-    values = whole(found.parameters)
+        for index in hold:
+            values[index] = parameters_of(eye)[index]
+        found = _fitted(model, values, free)
+        if found is not None:
+            break
+    else:
+        raise FitFailed(
+            "the looks do not tell where the camera sits: they were taken from too similar "
+            "angles; turn joint 1 and joint 2 by 20 deg or more between looks"
+        )
+    values[list(free)] = found.parameters
     values[1] %= 360.0
     values[2] = (values[2] + 180.0) % 360.0 - 180.0
     covariance = np.zeros((values.size, values.size))
@@ -277,18 +278,32 @@ def _start(model: _Model, eye: EyeInHand) -> Array:
     )
 
 
-def _seen(slopes: Array, count: int, *, may_hold: bool) -> tuple[int, ...]:
-    """Return the indices of what the samples tell, at the least cost of what is held."""
-    for hold in _HOLD if may_hold else _HOLD[:1]:
-        free = tuple(i for i in range(count) if i not in hold)
-        deviation = predicted_deviation(slopes[:, list(free)])
-        bound = [UNSEEN[i] for i in free if i < 5]
-        if (deviation[: len(bound)] < bound).all():
-            return free
-    raise FitFailed(
-        "the looks do not tell where the camera sits: they were taken from too similar angles; "
-        "turn joint 1 and joint 2 by 20 deg or more between looks"
-    )
+def _fitted(model: _Model, start: Array, free: tuple[int, ...]) -> Fit | None:
+    """Return the fit of the free parameters; None if the samples do not tell all of them."""
+    at = list(free)
+
+    def whole(part: Array) -> Array:
+        values = start.copy()
+        values[at] = part
+        return values
+
+    if not _is_seen(model.slopes(start)[:, at], free):
+        return None
+    try:
+        found = fit(
+            lambda part: model.residuals(whole(part)),
+            start[at],
+            jacobian=lambda part: model.slopes(whole(part))[:, at],
+        )
+    except FitFailed:
+        return None
+    return found if _is_seen(found.jacobian, free) else None
+
+
+def _is_seen(slopes: Array, free: tuple[int, ...]) -> bool:
+    deviation = predicted_deviation(slopes)
+    five = [position for position, index in enumerate(free) if index < 5]
+    return bool((deviation[five] < UNSEEN[[free[position] for position in five]]).all())
 
 
 def predicted_deviation(slopes: Array) -> Array:
