@@ -12,15 +12,18 @@ before leaves at most a file that nothing points to.
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from calibration.errors import ArchiveError
+from calibration.files import only_writer, replace, write_once
 from calibration.record import CalibrationRecord
+from calibration.verdict import Grade
+from cell.clock import Clock, SystemClock
 
 _SHORTEST_PREFIX = 4
 
@@ -41,10 +44,13 @@ class Archive:
 
     Args:
         folder: Where they are; made when the first one is kept.
+        clock: Tells how long another program that writes is waited for; real time unless
+            given.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, clock: Clock | None = None) -> None:
         self._folder = folder
+        self._clock = clock or SystemClock()
 
     @property
     def folder(self) -> Path:
@@ -52,58 +58,86 @@ class Archive:
         return self._folder
 
     def keep(self, record: CalibrationRecord, pictures: Mapping[str, bytes]) -> str:
-        """Keep a record and put it in force; return its identity.
+        """Keep a record and return its identity; it is in force unless it is BAD.
 
         Args:
             record: The record.
-            pictures: PNG files by digest; at least those that its samples name.
+            pictures: PNG files by digest; at least those that its samples name and that are
+                not kept yet.
 
         Raises:
             ArchiveError: The folder cannot be written, or a picture is missing.
         """
-        missing = [s.label for s in record.samples if s.picture and s.picture not in pictures]
+        missing = [
+            sample.label
+            for sample in record.samples
+            if sample.picture
+            and sample.picture not in pictures
+            and not self._picture_path(sample.picture).exists()
+        ]
         if missing:
             raise ArchiveError(f"the pictures of {', '.join(missing)} are missing")
         identity = record.identity
-        try:
-            for digest, png in pictures.items():
-                _write_once(self._folder / "pictures" / f"{digest}.png", png)
-            _write_once(self._record_path(identity), record.canonical())
+        with self._writing():
             chains = self._chains()
-            slot = Slot(record.kind, record.subject)
-            chains.setdefault(slot, []).append(identity)
-            self._write_chains(chains)
-        except OSError as error:
-            raise self._unwritable(error) from error
+            for digest, png in pictures.items():
+                write_once(self._picture_path(digest), png)
+            self._write_record(identity, record.canonical())
+            chain = chains.setdefault(Slot(record.kind, record.subject), [])
+            if record.grade is not Grade.BAD and chain[-1:] != [identity]:
+                chain.append(identity)
+                self._write_chains(chains)
         return identity
 
-    def undo(self, slot: Slot) -> CalibrationRecord | None:
-        """Take the record in force out of force; return the one that is in force now.
+    def undo(self, slot: Slot) -> str | None:
+        """Take the record in force out of force; return the identity of the one before.
+
+        Returns:
+            What is in force now; None if nothing is.
 
         Raises:
             ArchiveError: There is none in force, or the folder cannot be written.
         """
-        chains = self._chains()
-        chain = chains.get(slot, [])
-        if not chain:
-            raise ArchiveError(f"no calibration of {slot} is in force; nothing to undo")
-        chain.pop()
-        if not chain:
-            del chains[slot]
-        try:
+        with self._writing():
+            chains = self._chains()
+            chain = chains.get(slot, [])
+            if not chain:
+                raise ArchiveError(f"no calibration of {slot} is in force; nothing to undo")
+            chain.pop()
+            if not chain:
+                del chains[slot]
             self._write_chains(chains)
-        except OSError as error:
-            raise self._unwritable(error) from error
-        return self.read(chain[-1]) if chain else None
+        return chain[-1] if chain else None
 
     def slots(self) -> tuple[Slot, ...]:
         """Return what has a calibration in force."""
         return tuple(sorted(self._chains(), key=str))
 
     def current(self) -> tuple[CalibrationRecord, ...]:
-        """Return the records in force, oldest first."""
+        """Return the records in force, oldest first.
+
+        Raises:
+            ArchiveError: One cannot be read.
+        """
         records = [self.read(chain[-1]) for chain in self._chains().values()]
         return tuple(sorted(records, key=lambda record: record.measured_at))
+
+    def readable(self) -> tuple[tuple[CalibrationRecord, ...], tuple[str, ...]]:
+        """Return the records in force that can be read, oldest first, and what is wrong.
+
+        A record that cannot be read leaves its slot without a calibration: the one before it
+        was replaced for a reason.
+
+        Raises:
+            ArchiveError: What is in force cannot be read at all.
+        """
+        records, problems = [], []
+        for slot, chain in self._chains().items():
+            try:
+                records.append(self.read(chain[-1]))
+            except ArchiveError as error:
+                problems.append(f"the calibration of {slot} is left out: {error}")
+        return tuple(sorted(records, key=lambda record: record.measured_at)), tuple(problems)
 
     def in_force(self, slot: Slot) -> CalibrationRecord | None:
         """Return the record in force, None if there is none."""
@@ -157,9 +191,34 @@ class Archive:
             ArchiveError: It is missing.
         """
         try:
-            return (self._folder / "pictures" / f"{digest}.png").read_bytes()
+            return self._picture_path(digest).read_bytes()
         except OSError as error:
             raise ArchiveError(f"picture {digest[:12]} is not in {self._folder}") from error
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Be the only one who writes; what the disk refuses is told with what it means.
+
+        Raises:
+            ArchiveError: The folder cannot be written.
+        """
+        try:
+            with only_writer(self._folder, self._clock):
+                yield
+        except OSError as error:
+            raise ArchiveError(
+                f"{self._folder} cannot be written: {error.strerror or error}; nothing was "
+                "changed of what is in force"
+            ) from error
+
+    def _write_record(self, identity: str, content: bytes) -> None:
+        """Write a record unless it is there whole."""
+        path = self._record_path(identity)
+        if not path.exists() or path.read_bytes() != content:
+            replace(path, content)
+
+    def _picture_path(self, digest: str) -> Path:
+        return self._folder / "pictures" / f"{digest}.png"
 
     def _record_path(self, identity: str) -> Path:
         return self._folder / "records" / f"{identity}.json"
@@ -169,8 +228,9 @@ class Archive:
         try:
             data = json.loads(path.read_bytes())
             return {
-                Slot(entry["kind"], entry["subject"]): [str(i) for i in entry["records"]]
+                Slot(str(entry["kind"]), str(entry["subject"])): [str(i) for i in entry["records"]]
                 for entry in data
+                if entry["records"]
             }
         except FileNotFoundError:
             return {}
@@ -184,25 +244,6 @@ class Archive:
         data = [
             {"kind": slot.kind, "subject": slot.subject, "records": chain}
             for slot, chain in sorted(chains.items(), key=lambda item: str(item[0]))
+            if chain
         ]
-        _replace(self._folder / "current.json", json.dumps(data, indent=1).encode())
-
-    def _unwritable(self, error: OSError) -> ArchiveError:
-        return ArchiveError(
-            f"{self._folder} cannot be written: {error.strerror or error}; nothing was put in force"
-        )
-
-
-def _write_once(path: Path, data: bytes) -> None:
-    if not path.exists():
-        _replace(path, data)
-
-
-def _replace(path: Path, data: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
-    with fresh.open("wb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(fresh, path)
+        replace(self._folder / "current.json", json.dumps(data, indent=1).encode())

@@ -29,3 +29,7 @@ class ArchiveError(CalibrationError):
 
 class QualityNotMet(CalibrationError):
     """A calibration is missing or not as good as was demanded."""
+
+
+class JournalError(CalibrationError):
+    """The notes of a run cannot be read, written or gone on with."""

@@ -14,6 +14,7 @@ from calibration.errors import AnswerRefused
 from calibration.procedure import Procedure
 from calibration.record import Measurement
 from calibration.requests import Answer, Ask, Point, Request, Tell
+from calibration.standing import Standing
 from cell.stop import StopToken
 
 
@@ -71,6 +72,14 @@ class NoJournal:
         """Note nothing."""
 
 
+def _nothing_seen(request: Request, answer: Answer) -> None:
+    pass
+
+
+def _nothing_restored(standing: Standing) -> None:
+    pass
+
+
 def play(
     procedure: Procedure,
     *,
@@ -79,6 +88,8 @@ def play(
     stop: StopToken,
     journal: Journal | None = None,
     on_tell: Callable[[Tell], None] = lambda told: None,
+    on_answer: Callable[[Request, Answer], None] = _nothing_seen,
+    restore: Callable[[Standing], None] = _nothing_restored,
 ) -> Measurement:
     """Play a procedure to its end and return what it found.
 
@@ -89,6 +100,9 @@ def play(
         stop: Looked at before every request.
         journal: Notes every answer; nothing is noted without one.
         on_tell: Told what the procedure says.
+        on_answer: Told every request with its answer, noted ones included.
+        restore: Brings about again what an interrupted run had brought about, before the first
+            request that its notes do not answer.
 
     Raises:
         Stopped: Somebody stopped it.
@@ -96,6 +110,8 @@ def play(
         CellError: A device fails.
     """
     notes = journal or NoJournal()
+    standing = Standing()
+    is_live, recalled = False, 0
     try:
         request = next(procedure)
         while True:
@@ -104,10 +120,18 @@ def play(
                 on_tell(request)
                 request = procedure.send(None)
                 continue
-            known = notes.recall(request)
-            answer = known[0] if known is not None else _ask(request, hands, asker)
-            if known is None:
+            known = None if is_live else notes.recall(request)
+            if known is not None:
+                recalled += 1
+                answer = known[0]
+            else:
+                if recalled and not is_live:
+                    restore(standing)
+                is_live = True
+                answer = _ask(request, hands, asker)
                 notes.note(request, answer)
+            standing.follow(request)
+            on_answer(request, answer)
             request = procedure.send(answer)
     except StopIteration as end:
         if not isinstance(end.value, Measurement):

@@ -20,7 +20,7 @@ FORMAT = 1
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="null")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Sample(_Part):
@@ -139,6 +139,8 @@ class CalibrationRecord(Measurement):
     """Of this program and the libraries that fitted."""
     answers: dict[str, JsonValue] = Field(default_factory=dict)
     """What was answered to the procedure's questions."""
+    cameras: dict[str, str] = Field(default_factory=dict)
+    """GUIDs of the cameras that it was measured with, by name."""
 
     @property
     def identity(self) -> str:
@@ -158,8 +160,23 @@ def make_record(
     measured_at: datetime,
     versions: Mapping[str, str],
     answers: Mapping[str, JsonValue],
+    cameras: Mapping[str, str] | None = None,
 ) -> CalibrationRecord:
-    """Return a measurement with its provenance."""
+    """Return a measurement with its provenance.
+
+    Args:
+        measurement: What a procedure found.
+        cell: Name of the cell.
+        measured_at: When, with the time zone.
+        versions: Of this program and the libraries that fitted.
+        answers: What was answered to the procedure's questions.
+        cameras: GUIDs of the cameras that it was measured with, by name.
+
+    Raises:
+        ValueError: The time has no zone.
+    """
+    if measured_at.tzinfo is None:
+        raise ValueError("the time of a calibration needs its time zone")
     content = {name: getattr(measurement, name) for name in Measurement.model_fields}
     return CalibrationRecord(
         **content,
@@ -167,4 +184,5 @@ def make_record(
         measured_at=measured_at,
         versions=dict(versions),
         answers=dict(answers),
+        cameras=dict(cameras or {}),
     )
