@@ -1,0 +1,161 @@
+"""Poses from which a camera on the arm's flange sees a sheet's markers."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cell.errors import MotionRefused, UnreachablePose
+from cell.geometry import CameraView, JointPositions, LensModel, Pose, Transform
+from cell.motion.guard import Guard
+from cell.profile import Profile, StoreProfile
+from cell.sheet.layout import SheetLayout
+from cell.sheet.placing import Points, SheetPlace
+
+_HEIGHTS_MM = (300.0, 240.0, 360.0)
+_TURNS_DEG = tuple(float(turn) for turn in range(-180, 180, 45))
+_EDGE_PX = 40.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LookingPose:
+    """A pose to look from.
+
+    Attributes:
+        pose: Of the tool point.
+        joints: Of the arm there.
+        sees: Indices of the sheet's markers that are wholly in the picture.
+    """
+
+    pose: Pose
+    joints: JointPositions
+    sees: tuple[int, ...]
+
+
+def flange_view(
+    pose: Pose, tool_mm: Sequence[float], lens: LensModel, flange_from_camera: Transform
+) -> CameraView:
+    """Return the view of a camera on the flange.
+
+    Args:
+        pose: Of the tool point when the picture was taken.
+        tool_mm: The tool point in the flange's frame.
+        lens: The camera's lens.
+        flange_from_camera: Where the camera hangs on the flange.
+    """
+    flange_from_tool = np.eye(4)
+    flange_from_tool[:3, 3] = tool_mm
+    robot_from_flange = Transform.from_pose(pose) @ Transform(flange_from_tool).inverse()
+    return CameraView(lens, robot_from_flange @ flange_from_camera)
+
+
+def looking_poses(
+    profile: Profile,
+    layout: SheetLayout,
+    lens: LensModel,
+    flange_from_camera: Transform,
+    *,
+    store: StoreProfile | None = None,
+    start: JointPositions | None = None,
+) -> tuple[LookingPose, ...]:
+    """Return few poses from which the camera sees every marker that it can see at all.
+
+    The guard passes the motions from the start to the first, and from each to the next.
+
+    Args:
+        profile: The cell's profile.
+        layout: The sheet.
+        lens: The camera's lens.
+        flange_from_camera: Where the camera hangs on the flange.
+        store: Where the sheet roughly lies; as in the profile unless given.
+        start: Where the arm stands before; at rest unless given.
+    """
+    store = store or profile.store
+    place = SheetPlace(
+        corner_mm=store.corner_mm,
+        angle_deg=store.angle_deg,
+        scale=1.0,
+        covariance=np.zeros((3, 3)),
+        sigma_px=0.0,
+        freedom=0,
+    )
+    guard = Guard.from_profile(profile)
+    here = start or JointPositions(tuple(profile.arm.rest_deg))
+    candidates = [
+        (pose, sees)
+        for pose in _candidates(profile, layout, place, lens, flange_from_camera)
+        if (sees := _seen(pose, profile, layout, place, lens, flange_from_camera))
+    ]
+    waiting = {one.index for one in layout.fiducials}
+    chosen: list[LookingPose] = []
+    while waiting and candidates:
+        candidates.sort(key=lambda one: -len(waiting & set(one[1])))
+        pose, sees = candidates.pop(0)
+        if not waiting & set(sees):
+            break
+        joints = _passed(guard, profile, here, pose)
+        if joints is not None:
+            chosen.append(LookingPose(pose=pose, joints=joints, sees=sees))
+            waiting -= set(sees)
+            here = joints
+    return tuple(chosen)
+
+
+def _candidates(
+    profile: Profile,
+    layout: SheetLayout,
+    place: SheetPlace,
+    lens: LensModel,
+    flange_from_camera: Transform,
+) -> Iterator[Pose]:
+    """Return poses, gripper down, whose picture's middle is at a point of the sheet."""
+    surface_mm = profile.heights.surface_mm
+    middle = np.array([[lens.centre_u_px, lens.centre_v_px]])
+    across = np.linspace(0.15, 0.85, 5) * layout.width_mm
+    down = np.linspace(0.15, 0.85, 4) * layout.height_mm
+    for height_mm, turn_deg in itertools.product(_HEIGHTS_MM, _TURNS_DEG):
+        pose = Pose(0.0, 0.0, surface_mm + height_mm, 180.0, 0.0, turn_deg)
+        view = flange_view(pose, profile.arm.tool_mm, lens, flange_from_camera)
+        try:
+            hit = view.to_robot(middle, surface_mm)[0]
+        except ValueError:
+            continue
+        for x, y in itertools.product(across, down):
+            target = place.to_robot(np.array([x, y])) - hit
+            yield Pose(float(target[0]), float(target[1]), pose.z_mm, 180.0, 0.0, turn_deg)
+
+
+def _seen(
+    pose: Pose,
+    profile: Profile,
+    layout: SheetLayout,
+    place: SheetPlace,
+    lens: LensModel,
+    flange_from_camera: Transform,
+) -> tuple[int, ...]:
+    if not layout.fiducials:
+        return ()
+    view = flange_view(pose, profile.arm.tool_mm, lens, flange_from_camera)
+    corners = np.array([one.corners_mm for one in layout.fiducials])
+    try:
+        pixels: Points = view.to_picture(place.to_robot(corners), profile.heights.surface_mm)
+    except ValueError:
+        return ()
+    size = np.array([lens.width_px, lens.height_px])
+    inside = ((pixels > _EDGE_PX) & (pixels < size - _EDGE_PX)).all(axis=(1, 2))
+    return tuple(int(index) for index in np.nonzero(inside)[0])
+
+
+def _passed(
+    guard: Guard, profile: Profile, here: JointPositions, pose: Pose
+) -> JointPositions | None:
+    """Return the joints of a pose if the guard lets the arm go there."""
+    arm = profile.arm
+    try:
+        guard.check_pose_joint(here, pose, posture=arm.posture, percent=arm.joint_speed_percent)
+        return guard.arm.solve(pose, arm.posture, here)
+    except (MotionRefused, UnreachablePose):
+        return None
