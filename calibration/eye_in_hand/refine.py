@@ -5,7 +5,8 @@ The point's own place is fitted along and thrown away. What the samples can tell
 - In looks alone link 2 and the part of the camera's offset along it are one sum, since both
   turn with J1 + J2: only the gripper over the point (a touch) parts them.
 - The picture's turn, angle_error, is seen from a point that falls on different pixels, as it
-  does whenever the arm stands otherwise: only one pose has it on a given pixel. A line whose direction nobody knows says nothing about it, however often it is looked at: turn and
+  does whenever the arm stands otherwise: only one pose has it on a given pixel. A line whose
+  direction nobody knows says nothing about it, however often it is looked at: turn and
   direction are one sum. A line of known direction does.
 - The camera's offset is parted from the point's place by turning J1 + J2, link 1 from both by
   turning J2.

@@ -16,23 +16,22 @@ Change = Callable[[float, float], tuple[float, float]]
 
 
 def with_joints(samples: Samples, change: Change) -> Samples:
-    def turned(j1: float, j2: float) -> dict[str, float]:
-        return dict(zip(("j1_deg", "j2_deg"), change(j1, j2), strict=True))
-
-    return replace(
-        samples,
-        looks=tuple(replace(one, **turned(one.j1_deg, one.j2_deg)) for one in samples.looks),
-        touches=tuple(replace(one, **turned(one.j1_deg, one.j2_deg)) for one in samples.touches),
-    )
+    looks, touches = [], []
+    for look in samples.looks:
+        j1, j2 = change(look.j1_deg, look.j2_deg)
+        looks.append(replace(look, j1_deg=j1, j2_deg=j2))
+    for touch in samples.touches:
+        j1, j2 = change(touch.j1_deg, touch.j2_deg)
+        touches.append(replace(touch, j1_deg=j1, j2_deg=j2))
+    return replace(samples, looks=tuple(looks), touches=tuple(touches))
 
 
 def with_pixels(samples: Samples, change: Change) -> Samples:
-    def moved(u: float, v: float) -> dict[str, float]:
-        return dict(zip(("u_px", "v_px"), change(u, v), strict=True))
-
-    return replace(
-        samples, looks=tuple(replace(one, **moved(one.u_px, one.v_px)) for one in samples.looks)
-    )
+    looks = []
+    for look in samples.looks:
+        u, v = change(look.u_px, look.v_px)
+        looks.append(replace(look, u_px=u, v_px=v))
+    return replace(samples, looks=tuple(looks))
 
 
 def in_radians(j1: float, j2: float) -> tuple[float, float]:
@@ -84,10 +83,12 @@ def test_good_samples_are_not_blamed() -> None:
 def test_a_loose_camera_is_bad_without_a_name_for_it() -> None:
     bench = Bench(11)
     samples = bench.samples()
-    shaken = with_pixels(
-        samples,
-        lambda u, v: tuple((u, v) + bench.generator.normal(0, 6, 2)),  # type: ignore[arg-type, return-value]
-    )
+
+    def shake(u: float, v: float) -> tuple[float, float]:
+        du, dv = bench.generator.normal(0, 6, 2)
+        return u + du, v + dv
+
+    shaken = with_pixels(samples, shake)
     measurement = measure_eye_in_hand(shaken, [], [], NOMINAL)
     assert "looks-disagree" in [f.code for f in measurement.findings]
     assert measurement.grade is Grade.BAD
