@@ -140,6 +140,12 @@ class GivenAnswers:
         self._otherwise = otherwise
         self._asked: set[str] = set()
 
+    def before(self, otherwise: Asker) -> GivenAnswers:
+        """Return the same answers with somebody behind them who is asked for the others."""
+        found = GivenAnswers(self._given, otherwise)
+        found._asked = self._asked
+        return found
+
     def note_asked(self, key: str) -> None:
         """Note that a question was asked, though it was answered elsewhere."""
         self._asked.add(key)

@@ -71,11 +71,16 @@ def start_check(record: CalibrationRecord, site: Site) -> Procedure:
     Raises:
         CalibrationError: Records of this kind cannot be checked.
     """
-    target = next((e.check for e in CATALOGUE if e.kind == record.kind), "")
+    target = _check_of(record)
     if not target:
         raise CalibrationError(f"there is no check of a {record.kind}; calibrate it again")
     make = cast(Callable[[Site, CalibrationRecord], Procedure], _load(target))
     return make(site, record)
+
+
+def has_check(record: CalibrationRecord) -> bool:
+    """Return whether records of this kind can be checked on fresh pictures."""
+    return bool(_check_of(record))
 
 
 def entry_of(name: str) -> Entry:
@@ -89,6 +94,10 @@ def entry_of(name: str) -> Entry:
             return entry
     known = ", ".join(entry.name for entry in CATALOGUE)
     raise CalibrationError(f"there is no procedure {name!r}; there are {known}")
+
+
+def _check_of(record: CalibrationRecord) -> str:
+    return next((e.check for e in CATALOGUE if e.kind == record.kind and e.check), "")
 
 
 def _load(target: str) -> object:

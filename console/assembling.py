@@ -6,10 +6,12 @@ import logging
 import sys
 from typing import TYPE_CHECKING
 
+from console.calibrating import with_calibrations
 from console.options import Wires
 from console.places import cell_folder
 
 if TYPE_CHECKING:
+    from calibration.applying import Calibrated
     from cell.clock import Clock
     from cell.links.base import Tap
     from cell.profile import Profile
@@ -41,8 +43,11 @@ def assemble(
 ) -> RobotCell:
     """Return a cell with a playground, closed, whose state is kept in its folder.
 
+    What is known of the cell by its calibrations in force goes before its profile; the twin
+    is as the profile says, whatever was calibrated.
+
     Args:
-        profile: The cell's profile.
+        profile: What the cell's file says.
         script: Script whose store it is, by name or path.
         wires: How its devices are reached.
         clock: The clock of everything in the cell, from `clock_for`.
@@ -51,15 +56,42 @@ def assemble(
     Raises:
         StillHeld: Another process has the cell.
         CellError: What is kept of the cell cannot be used.
+        ArchiveError: What is kept of its calibrations cannot be read.
+    """
+    return assemble_known(with_calibrations(profile), profile, plan_of(script), wires, clock, tap)
+
+
+def assemble_known(
+    known: Calibrated[Profile],
+    profile: Profile,
+    plan: StorePlan,
+    wires: Wires,
+    clock: Clock,
+    tap: Tap | None = None,
+) -> RobotCell:
+    """Return a cell of which is known what its calibrations say; see `assemble`.
+
+    Args:
+        known: The profile with the calibrations in force.
+        profile: What the cell's file says, which the twin is made by.
+        plan: The store.
+        wires: How its devices are reached.
+        clock: The clock of everything in the cell.
+        tap: Shown every byte on every wire.
     """
     from cell.assembly import assemble_twin
 
-    plan = plan_of(script)
     if wires == "hardware":
-        return _on_hardware(profile, plan, clock, tap)
-    folder = cell_folder(profile.name)
+        return _on_hardware(known.profile, plan, clock, tap)
     return assemble_twin(
-        profile, plan, seed=0, clock=clock, state_folder=folder, tap=tap, wires=wires
+        known.profile,
+        plan,
+        seed=0,
+        clock=clock,
+        state_folder=cell_folder(profile.name),
+        tap=tap,
+        wires=wires,
+        truth=profile,
     )
 
 

@@ -73,6 +73,18 @@ COMMANDS: Final = (
     ),
     Command("bringup", "", "console.bringup:bringup", "Bring the cell up step by step."),
     Command("doctor", "", "console.doctor:doctor", "Find out why the cell does not work."),
+    Command(
+        "calibrate",
+        "[PROCEDURE]",
+        "console.calibrate:calibrate",
+        "Measure something of the cell and keep it.",
+    ),
+    Command(
+        "calibration",
+        "list|show|check|diff|undo",
+        "console.calibration:app",
+        "The kept calibrations: how good they are, whether they hold.",
+    ),
     Command("clean", "", "console.clean:clean", "Bring every block back to the store."),
     Command(
         "watchdog",

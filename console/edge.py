@@ -42,6 +42,12 @@ def guarded(run: Callable[[], int]) -> int:
 
 def _known(error: Exception) -> Exit | None:
     """Return the exit code of an error that has a sentence of its own."""
+    from calibration.errors import (
+        AnswerRefused,
+        ArchiveError,
+        CalibrationError,
+        JournalError,
+    )
     from cell.errors import CellError, ProfileError
     from dsl.errors import DslError
     from sessions.errors import CommandRefused, ScriptUnservable, SessionsError
@@ -55,6 +61,10 @@ def _known(error: Exception) -> Exit | None:
         (ScriptUnservable, Exit.FAILED),
         (DslError, Exit.FAILED),
         (CellError, Exit.ENVIRONMENT),
+        (AnswerRefused, Exit.USAGE),
+        (ArchiveError, Exit.ENVIRONMENT),
+        (JournalError, Exit.ENVIRONMENT),
+        (CalibrationError, Exit.FAILED),
         (SessionsError, Exit.ENVIRONMENT),
         (OSError, Exit.ENVIRONMENT),
     )

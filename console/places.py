@@ -29,6 +29,16 @@ def cell_folder(profile_name: str) -> Path:
     return platformdirs.user_state_path(_PROGRAM) / "cells" / profile_name
 
 
+def calibrations_folder(profile_name: str) -> Path:
+    """Return where the calibrations of a cell are kept."""
+    return cell_folder(profile_name) / "calibrations"
+
+
+def calibration_runs_folder(profile_name: str) -> Path:
+    """Return where interrupted calibrations of a cell are noted."""
+    return cell_folder(profile_name) / "calibration-runs"
+
+
 def log_folder() -> Path:
     """Return where logs go."""
     return platformdirs.user_state_path(_PROGRAM) / "logs"

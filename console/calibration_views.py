@@ -1,0 +1,216 @@
+"""Calibrations as text and as JSON."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from console.calibrating import age_of, now, stated_accuracy
+from console.output import Style, put, put_json, styled
+
+if TYPE_CHECKING:
+    from calibration.diffing import Difference
+    from calibration.record import CalibrationRecord, Measurement
+    from calibration.verdict import Grade
+
+_WIDEST_VALUE = 100
+
+
+def grade_style(grade: Grade) -> Style:
+    """Return the colour of a grade."""
+    styles: dict[str, Style] = {"OK": "green", "DEGRADED": "yellow", "BAD": "red"}
+    return styles[grade.value]
+
+
+def put_record(record: CalibrationRecord, *, is_in_force: bool, as_json: bool) -> None:
+    """Write what came out of a procedure, in short."""
+    if as_json:
+        put_json({**_head(record), "is_in_force": is_in_force, **_verdict(record)})
+        return
+    put(_title(record))
+    put("\n".join(verdict_lines(record)))
+
+
+def put_whole(record: CalibrationRecord, *, is_in_force: bool, as_json: bool) -> None:
+    """Write everything that a record holds."""
+    if as_json:
+        put_json({**_head(record), "is_in_force": is_in_force, **record.model_dump(mode="json")})
+        return
+    put(_title(record))
+    put("\n".join(_provenance(record, is_in_force=is_in_force)))
+    put("\n".join(verdict_lines(record)))
+    for heading, lines in (
+        ("samples", _samples(record)),
+        ("parameters", _parameters(record)),
+        ("hang together", [
+            f"{c.first} and {c.second}: {c.value:+.2f}" for c in record.correlations
+        ]),
+        ("sets in the profile", [
+            f"{path} = {_short(value)}" for path, value in record.values.items()
+        ]),
+        ("details", [f"{name} = {_short(value)}" for name, value in record.details.items()]),
+        ("answers", [f"{name} = {_short(value)}" for name, value in record.answers.items()]),
+    ):  # fmt: skip
+        if lines:
+            put(styled(heading, "bold"))
+            put("\n".join(f"  {line}" for line in lines))
+
+
+def put_difference(
+    first: CalibrationRecord, second: CalibrationRecord, found: Difference, *, as_json: bool
+) -> None:
+    """Write what differs between two records."""
+    if as_json:
+        put_json(_difference_json(first, second, found))
+        return
+    put(f"{_title(first)}\n{_title(second)}")
+    if not (found.values or any(p.first != p.second for p in found.parameters)):
+        put("they set the same values")
+    for path, (one, other) in found.values.items():
+        put(f"{path}\n  - {_short(one)}\n  + {_short(other)}")
+    for camera, corners in found.corners.items():
+        put(styled(f"camera {camera} at the playground's corners, block tops", "bold"))
+        for corner in corners:
+            x, y = corner.corner_mm
+            put(
+                f"  ({x:4.0f}, {y:4.0f}) mm  {corner.shift_mm[0]:+8.3f} {corner.shift_mm[1]:+8.3f}"
+                f"  = {corner.distance_mm:.3f} mm"
+            )
+    if found.parameters:
+        put(styled("parameters", "bold"))
+    for shift in found.parameters:
+        sigmas = "" if shift.sigmas is None else f"  {shift.sigmas:.1f} sigma"
+        unit = f" {shift.unit}" if shift.unit else ""
+        put(f"  {shift.name}: {shift.first:.6g} -> {shift.second:.6g}{unit}{sigmas}")
+
+
+def verdict_lines(measured: Measurement) -> list[str]:
+    """Return grade, figures, findings and what is not known, a line each."""
+    accuracy = measured.accuracy
+    unit = accuracy.unit
+    lines = [styled(f"{measured.grade}", grade_style(measured.grade)) + f"  {measured.method}"]
+    if accuracy.held_out_rms is not None:
+        worst = "" if accuracy.held_out_max is None else f", {accuracy.held_out_max:.3g} at most"
+        how = f" ({accuracy.held_out_count} points: {accuracy.how})" if accuracy.how else ""
+        lines.append(f"  held out   {accuracy.held_out_rms:.3g} {unit} RMS{worst}{how}")
+    if accuracy.predicted_rms is not None:
+        worst = (
+            ""
+            if accuracy.predicted_max is None
+            else f", {accuracy.predicted_max:.3g} at the worst place (95 %)"
+        )
+        lines.append(f"  predicted  {accuracy.predicted_rms:.3g} {unit} RMS{worst}")
+    if accuracy.fit_rms is not None:
+        lines.append(f"  fitted on  {accuracy.fit_rms:.3g} {unit} RMS, which says little alone")
+    if accuracy.stated is None:
+        lines.append("  accuracy   not known")
+    if measured.region.text:
+        lines.append(f"  holds      {measured.region.text}")
+    for finding in measured.findings:
+        mark = styled(finding.grade.value, grade_style(finding.grade))
+        lines.append(f"  {mark} {finding.code}: {finding.text}")
+        if finding.hint:
+            lines.append(f"    to do: {finding.hint}")
+    lines += [f"  not known: {sentence}" for sentence in measured.not_known]
+    return lines
+
+
+def _title(record: CalibrationRecord) -> str:
+    name = styled(f"{record.kind} of {record.subject}", "bold", sys.stdout)
+    return f"{name}  {record.identity[:12]}"
+
+
+def _provenance(record: CalibrationRecord, *, is_in_force: bool) -> list[str]:
+    state = "in force" if is_in_force else "not in force"
+    versions = ", ".join(f"{name} {version}" for name, version in record.versions.items())
+    lines = [
+        f"  {state}, cell {record.cell}, measured {record.measured_at:%Y-%m-%d %H:%M:%S %Z}"
+        f" ({age_of(record, now())})",
+        f"  identity   {record.identity}",
+        f"  made with  {versions}",
+    ]
+    if record.cameras:
+        cameras = ", ".join(f"{name} {guid}" for name, guid in record.cameras.items())
+        lines.append(f"  cameras    {cameras}")
+    if record.based_on:
+        lines.append(f"  based on   {', '.join(identity[:12] for identity in record.based_on)}")
+    return lines
+
+
+def _samples(record: CalibrationRecord) -> list[str]:
+    lines = []
+    for sample in record.samples:
+        parts = [sample.label]
+        if sample.given:
+            parts.append(f"given {_numbers(sample.given)}")
+        if sample.measured:
+            parts.append(f"measured {_numbers(sample.measured)}")
+        if sample.residual:
+            parts.append(f"residual {_numbers(sample.residual)}")
+        if sample.residual_mm is not None:
+            parts.append(f"{sample.residual_mm:.3g} mm")
+        if sample.held_out_mm is not None:
+            parts.append(f"held out {sample.held_out_mm:.3g} mm")
+        if not sample.is_used:
+            parts.append("not fitted on")
+        lines.append("  ".join(parts))
+    return lines
+
+
+def _parameters(record: CalibrationRecord) -> list[str]:
+    return [
+        f"{p.name} = {p.value:.6g}"
+        + ("" if p.deviation is None else f" ± {p.deviation:.2g}")
+        + (f" {p.unit}" if p.unit else "")
+        for p in record.parameters
+    ]
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return "(" + ", ".join(f"{value:.2f}" for value in values) + ")"
+
+
+def _short(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= _WIDEST_VALUE else text[: _WIDEST_VALUE - 1] + "…"
+
+
+def _head(record: CalibrationRecord) -> dict[str, object]:
+    return {
+        "identity": record.identity,
+        "kind": record.kind,
+        "subject": record.subject,
+        "grade": record.grade.value,
+        "stated": stated_accuracy(record),
+    }
+
+
+def _verdict(record: CalibrationRecord) -> dict[str, object]:
+    data = record.model_dump(mode="json")
+    return {
+        name: data[name]
+        for name in ("cell", "measured_at", "method", "accuracy", "region", "findings", "values",
+                     "not_known", "based_on")
+    }  # fmt: skip
+
+
+def _difference_json(
+    first: CalibrationRecord, second: CalibrationRecord, found: Difference
+) -> dict[str, object]:
+    return {
+        "first": _head(first),
+        "second": _head(second),
+        "values": {path: list(pair) for path, pair in found.values.items()},
+        "parameters": [
+            {"name": p.name, "unit": p.unit, "first": p.first, "second": p.second,
+             "sigmas": p.sigmas}
+            for p in found.parameters
+        ],
+        "corners": {
+            camera: [
+                {"corner_mm": c.corner_mm, "shift_mm": c.shift_mm, "distance_mm": c.distance_mm}
+                for c in corners
+            ]
+            for camera, corners in found.corners.items()
+        },
+    }  # fmt: skip
