@@ -11,12 +11,14 @@ from console.figures import Figure, Whole
 from console.hand import DEFAULTS, HandOptions, by_hand, tell
 from console.hand_speed import kept_speed
 from console.output import put_json, put_table, say
+from console.store_plan import register as register_plan
 
 if TYPE_CHECKING:
     from cell.by_hand import ByHand
     from cell.store import TablePlace
 
 app = App(name="store")
+register_plan(app)
 Yaw = Annotated[float, Parameter(help="Turn of the block's length from robot x, deg.")]
 
 

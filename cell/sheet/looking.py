@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -60,8 +61,11 @@ def looking_poses(
     *,
     store: StoreProfile | None = None,
     start: JointPositions | None = None,
+    times: int = 2,
 ) -> tuple[LookingPose, ...]:
     """Return few poses from which the camera sees every marker that it can see at all.
+
+    It looks again turned about the vertical, because the fingers and blocks hide parts.
 
     The guard passes the motions from the start to the first, and from each to the next.
 
@@ -72,6 +76,7 @@ def looking_poses(
         flange_from_camera: Where the camera hangs on the flange.
         store: Where the sheet roughly lies; as in the profile unless given.
         start: Where the arm stands before; at rest unless given.
+        times: From how many sides to look.
     """
     store = store or profile.store
     place = SheetPlace(
@@ -89,6 +94,24 @@ def looking_poses(
         for pose in _candidates(profile, layout, place, lens, flange_from_camera)
         if (sees := _seen(pose, profile, layout, place, lens, flange_from_camera))
     ]
+    chosen: list[LookingPose] = []
+    for _ in range(times):
+        before = [one.pose.c_deg for one in chosen]
+        turned = [c for c in candidates if all(_is_turned(c[0].c_deg, b) for b in before)]
+        found = _covering(turned, layout, guard, profile, here)
+        chosen += found
+        here = chosen[-1].joints if chosen else here
+    return tuple(chosen)
+
+
+def _covering(
+    candidates: list[tuple[Pose, tuple[int, ...]]],
+    layout: SheetLayout,
+    guard: Guard,
+    profile: Profile,
+    here: JointPositions,
+) -> list[LookingPose]:
+    """Return poses that see every marker once, each the one that sees most of what is left."""
     waiting = {one.index for one in layout.fiducials}
     chosen: list[LookingPose] = []
     while waiting and candidates:
@@ -101,7 +124,11 @@ def looking_poses(
             chosen.append(LookingPose(pose=pose, joints=joints, sees=sees))
             waiting -= set(sees)
             here = joints
-    return tuple(chosen)
+    return chosen
+
+
+def _is_turned(first_deg: float, second_deg: float) -> bool:
+    return abs(math.remainder(math.radians(first_deg - second_deg), math.tau)) > math.radians(80)
 
 
 def _candidates(

@@ -25,7 +25,6 @@ _DISC_MM = 8.0
 _WHITE_LEAST = 0.72
 _WHITE_CHROMA = 0.15
 _PAINT_CHROMA = 0.2
-_DARK_MOST = 0.5
 _COLOUR_REACH = 0.12
 _EDGE_PX = 2.0
 _SHADES: Final = {
@@ -128,7 +127,8 @@ def _read_slot(
         # A plain homography knows one height alone.
         top = None
     colour = "" if top is None else _colour(top / white)
-    if not colour and chroma < _PAINT_CHROMA and share.max() > _DARK_MOST:
+    if chroma < _PAINT_CHROMA:
+        # Grey is no block's paint: fingers, a shadow, or something that was left there.
         return SlotReading(number=number, state="not known")
     is_right = colour == printed.slot.colour if colour else None
     return SlotReading(number=number, state="occupied", colour=colour, is_right=is_right)

@@ -35,11 +35,12 @@ class Look:
 
     Attributes:
         pixels: The picture, (960, 1280, 3), R G B.
-        view: Of the camera at the moment of the picture.
+        view: Of the camera at the moment of the picture; None if its calibration is missing:
+            then the picture tells which print it shows, and nothing of places.
     """
 
     pixels: Pixels
-    view: TableView
+    view: TableView | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,8 +83,9 @@ class SheetReading:
 
     Attributes:
         identity: Checksum of the plan that was looked for.
-        place: Where it lies; None if it was not found.
-        markers: The markers that were seen, each sighting.
+        place: Where it lies; None if it was not found, or no view tells.
+        seen: Indices of the markers that were seen.
+        markers: How well they lie where the fit has them, each sighting.
         total: How many markers the sheet has.
         slots: What is known of each slot; empty without a place.
         findings: What is not as it should be.
@@ -91,15 +93,11 @@ class SheetReading:
 
     identity: str
     place: SheetPlace | None
+    seen: tuple[int, ...]
     markers: tuple[MarkerReading, ...]
     total: int
     slots: tuple[SlotReading, ...]
     findings: tuple[SheetFinding, ...]
-
-    @property
-    def seen(self) -> tuple[int, ...]:
-        """Indices of the markers seen."""
-        return tuple(sorted({one.index for one in self.markers}))
 
     @property
     def held_out_rms_mm(self) -> float | None:
@@ -110,7 +108,17 @@ class SheetReading:
     @property
     def is_good(self) -> bool:
         """Whether nothing fails."""
-        return self.place is not None and all(f.weight != "failure" for f in self.findings)
+        return bool(self.seen) and all(f.weight != "failure" for f in self.findings)
+
+
+_NO_VIEW = SheetFinding(
+    code="no-view",
+    weight="warning",
+    text="the camera's lens and place are not calibrated, so neither the sheet's place nor its "
+    "scale is known",
+    hint="calibrate the camera's lens and place, or measure the ruler and touch two corners: "
+    "`cell calibrate store-place`",
+)
 
 
 def read_sheet(
@@ -141,50 +149,56 @@ def read_sheet(
         )
     found = [find_markers(look.pixels) for look in looks]
     findings = _identity_findings(found, looks, layout)
-    own = [_sightings(of_one, look, layout) for of_one, look in zip(found, looks, strict=True)]
-    sightings = [one for of_one in own for one in of_one]
-    if not sightings:
+    own = {one.marker_id: one for one in layout.fiducials}
+    seen = sorted({own[one.marker_id].index for f in found for one in f if one.marker_id in own})
+    known = [(look, look.view, of_one) for look, of_one in zip(looks, found, strict=True)
+             if look.view is not None]  # fmt: skip
+    sightings = [_sightings(of_one, view, layout) for _, view, of_one in known]
+    if seen and not any(sightings):
+        findings.append(_NO_VIEW)
+    if not any(sightings):
         return SheetReading(
             identity=layout.identity,
             place=None,
+            seen=tuple(seen),
             markers=(),
             total=len(layout.fiducials),
             slots=(),
             findings=tuple(findings),
         )
-    place, scale_findings = _place(sightings, surface_mm, ruler_mm)
-    markers = tuple(_judged(i, sightings, place, surface_mm) for i in range(len(sightings)))
-    findings += scale_findings
-    findings += _place_findings(place, markers, layout, expected)
-    slots = merged(
-        [
-            read_slots(
-                look.pixels,
-                look.view,
-                place,
-                layout,
-                surface_mm=surface_mm,
-                seen=[one.index for one in of_one],
-            )
-            for look, of_one in zip(looks, own, strict=True)
-        ]
-    )
+    flat = [one for of_one in sightings for one in of_one]
+    place, scale_findings = _place(flat, surface_mm, ruler_mm)
+    markers = tuple(_judged(i, flat, place, surface_mm) for i in range(len(flat)))
+    slots = [
+        read_slots(
+            look.pixels,
+            view,
+            place,
+            layout,
+            surface_mm=surface_mm,
+            seen=[one.index for one in of_one],
+        )
+        for (look, view, _), of_one in zip(known, sightings, strict=True)
+    ]
     return SheetReading(
         identity=layout.identity,
         place=place,
+        seen=tuple(seen),
         markers=markers,
         total=len(layout.fiducials),
-        slots=slots,
-        findings=tuple(findings),
+        slots=merged(slots),
+        findings=(*findings, *scale_findings, *_place_findings(place, markers, layout, expected)),
     )
 
 
-def _sightings(found: Sequence[FoundMarker], look: Look, layout: SheetLayout) -> list[Sighting]:
+def _sightings(
+    found: Sequence[FoundMarker], view: TableView, layout: SheetLayout
+) -> list[Sighting]:
     own = {one.marker_id: one for one in layout.fiducials}
     return [
         Sighting(
             index=own[one.marker_id].index,
-            view=look.view,
+            view=view,
             plan_mm=np.array(own[one.marker_id].corners_mm),
             pixels=one.corners_px,
         )
