@@ -51,7 +51,15 @@ class Entry(NamedTuple):
     summary: str
 
 
-CATALOGUE: Final[tuple[Entry, ...]] = ()
+CATALOGUE: Final[tuple[Entry, ...]] = (
+    Entry(
+        name="camera-settings",
+        kind="camera-settings",
+        target="calibration.camera_settings.procedure:camera_settings",
+        check="calibration.camera_settings.checking:check_camera_settings",
+        summary="shutter, gain and white balance by a reference, a grey area, by hand or table",
+    ),
+)
 """In the order in which a new cell is calibrated."""
 
 

@@ -8,7 +8,7 @@ from pydantic import JsonValue
 
 from calibration.camera_settings import judge
 from calibration.camera_settings.keeping import look, measurement, profile_values
-from calibration.camera_settings.knobs import knobs_of
+from calibration.camera_settings.knobs import knobs_of, turn
 from calibration.camera_settings.setting import ask_setting, prepare, set_the_others, take_back
 from calibration.camera_settings.ways import by_reference, by_values
 from calibration.catalogue import Site
@@ -25,7 +25,10 @@ METHODS: Final = ("reference", "grey", "by-hand", "table")
 
 
 def camera_settings(site: Site) -> Procedure:
-    """Set shutter, gain and white balance of a camera, and say how good the picture is."""
+    """Set shutter, gain and white balance of a camera, and say how good the picture is.
+
+    Where that cannot be done, the camera gets back what it had.
+    """
     setting = yield from ask_setting(site)
     yield from prepare(site, setting)
     before = yield from capture(setting.camera, "as it is")
@@ -47,6 +50,7 @@ def camera_settings(site: Site) -> Procedure:
         outcome = yield from by_values(setting, knobs, method)
     findings += outcome.findings
     if worst(findings) is Grade.BAD:
+        yield from turn(setting.camera, outcome.knobs, knobs.values)
         return measurement(setting, outcome, findings, {}, values={})
     details, more = yield from look(setting, outcome)
     findings += more
