@@ -43,9 +43,11 @@ def check(
     found = compiled.diagnostics
     if compiled.program is not None and not no_profile:
         from cell.profile import load_profile
+        from console.calibrating import with_calibrations
         from sessions.site import ProfileSite
 
-        found += check_on_site(compiled.program, ProfileSite(load_profile(profile)))
+        known = with_calibrations(load_profile(profile))
+        found += check_on_site(compiled.program, ProfileSite(known.profile, known.records))
     is_good = not any(one.severity == "error" for one in found)
     if as_json:
         put_json(

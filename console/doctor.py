@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from console.assembling import assemble, clock_for, plan_of
+from console.calibrating import with_calibrations
 from console.exits import Exit
 from console.options import AsJson, ProfileName, Wires, WiresOption
 from console.output import put, put_json, say, styled
@@ -66,6 +67,8 @@ def doctor(
         used = load_profile(profile)
     except ProfileError as error:
         return show(report_of_invalid_profile(error), profile, verbose=verbose, as_json=as_json)
+    # Tells which calibrations do not fit the profile any more.
+    with_calibrations(used)
     if learn:
         return _learn(used, script, wires, as_json=as_json)
     report = examine_cell(used, script, wires, component=component)

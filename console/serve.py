@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter, validators
 
+from console.calibrating import with_calibrations
 from console.exits import ConsoleError, Exit
 from console.options import ProfileName, Wires, WiresOption
 from console.output import put, say
@@ -21,6 +22,7 @@ from console.signals import signals_handled
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from calibration.applying import Calibrated
     from cell.profile import Profile
     from cell.robot_cell import RobotCell
     from cell.twin_cell import TwinCell
@@ -129,12 +131,13 @@ def _host(
     from console.scripts import load_script
     from sessions.hosting import host_hardware, host_twin
 
+    known = with_calibrations(profile)
     hosted: Hosted[TwinCell] | Hosted[RobotCell]
     if wires == "hardware":
         from cell.drivers.kiosk import KioskScreen, KioskSettings
 
         folder = cell_folder(profile.name)
-        settings = KioskSettings.from_profile(profile.display, state_folder=folder)
+        settings = KioskSettings.from_profile(known.profile.display, state_folder=folder)
         screen = stack.enter_context(KioskScreen(settings))
         say(f"the television's browser must have {screen.url} open", "dim")
         hosted = host_hardware(
@@ -147,6 +150,7 @@ def _host(
             screen=screen,
             recordings=recordings,
             views=views,
+            calibrations=known.records,
         )
     else:
         hosted = host_twin(
@@ -159,9 +163,24 @@ def _host(
             recordings=recordings,
             views=views,
             wires=wires,
+            calibrations=known.records,
         )
     stack.callback(hosted.close)
+    _tell_calibrations(known)
     return hosted
+
+
+def _tell_calibrations(known: Calibrated[Profile]) -> None:
+    """Tell which calibrations are in force, and what the cell demands and does not have."""
+    from calibration.verdict import Grade
+    from console.calibrating import in_a_line, now
+    from sessions.quality import shortcomings
+
+    at = now()
+    for record in known.records:
+        say(in_a_line(record, at), "dim" if record.grade is Grade.OK else "yellow")
+    for problem in shortcomings(known.profile, known.records):
+        say(f"warning: no task will begin: {problem}", "yellow")
 
 
 def _start_watchdog(hosted: Hosted[TwinCell] | Hosted[RobotCell], stack: ExitStack) -> None:

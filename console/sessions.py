@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
+from console.calibrating import stated_accuracy
 from console.exits import ConsoleError, Exit
 from console.options import AsJson
 from console.output import put, put_json, put_table, say, styled
@@ -79,6 +80,8 @@ def show(
         + f"  {start.script_name}, dialect {start.dialect}, seed {start.seed}, from {start.peer},"
         f" {recording.started_utc:%Y-%m-%d %H:%M:%S} UTC"
     )
+    for told in _calibrations(recording):
+        put(styled(told, "dim"))
     _say_state(recording)
     told = {} if not events and wire is None else _beside(recording, with_events=events, wire=wire)
     for step in recording.steps():
@@ -171,6 +174,16 @@ def _progress(step: int, steps: int) -> None:
         say(f"{step} of {steps} lines replayed", "dim")
 
 
+def _calibrations(recording: SessionRecording) -> list[str]:
+    """Return a line for each calibration that was in force."""
+    return [
+        f"calibration {record.kind} of {record.subject}: {record.grade}, "
+        f"{stated_accuracy(record)}, measured {record.measured_at:%Y-%m-%d}, "
+        f"{record.identity[:8]}"
+        for record in recording.start.calibrations
+    ]
+
+
 def _say_state(recording: SessionRecording) -> None:
     if not recording.is_finished:
         cut = f", {recording.missing_bytes} bytes of a broken record at its end"
@@ -218,6 +231,18 @@ def _as_json(
         "seed": recording.start.seed,
         "peer": recording.start.peer,
         "versions": recording.start.versions,
+        "calibrations": [
+            {
+                "identity": record.identity,
+                "kind": record.kind,
+                "subject": record.subject,
+                "grade": record.grade.value,
+                "accuracy": record.accuracy.stated,
+                "unit": record.accuracy.unit,
+                "measured_at": record.measured_at.isoformat(),
+            }
+            for record in recording.start.calibrations
+        ],
         "started_utc": recording.started_utc.isoformat(),
         "is_finished": recording.is_finished,
         "end_reason": recording.end_reason,

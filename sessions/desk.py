@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+from calibration.record import CalibrationRecord
 from cell.devices.camera import Frame
 from cell.events import EventBus
 from cell.manipulation import Deployment
@@ -69,8 +70,9 @@ class Desk:
     Attributes:
         cell: The cell; only the session that has it may use it.
         script: The script that is served.
-        profile: The cell's profile.
-        profile_text: Its TOML text.
+        profile: The cell's profile, with the calibrations in force.
+        profile_text: Its TOML text, without them.
+        calibrations: The calibrations in force.
         events: Where sessions tell what happens.
         views: Encodes views.
         journal_factory: Opens the journal of a session that takes the cell.
@@ -86,6 +88,7 @@ class Desk:
         *,
         events: EventBus,
         profile_text: str = "",
+        calibrations: tuple[CalibrationRecord, ...] = (),
         seed: int | None = None,
         journal_factory: Callable[[SessionStart], Journal] = _no_journal,
         versions: Mapping[str, str] | None = None,
@@ -96,9 +99,10 @@ class Desk:
         Args:
             cell: The cell to lend.
             script: The script to serve.
-            profile: The cell's profile.
+            profile: The cell's profile, with the calibrations in force.
             events: Where sessions tell what happens.
-            profile_text: The profile's TOML text, for recordings.
+            profile_text: The profile's TOML text without them, for recordings.
+            calibrations: The calibrations in force.
             seed: Seed of the first session, from which those of the others follow; a
                 random one unless given.
             journal_factory: Opens the journal of a session that takes the cell.
@@ -109,6 +113,7 @@ class Desk:
         self.script = script
         self.profile = profile
         self.profile_text = profile_text
+        self.calibrations = calibrations
         self.events = events
         self.views = ViewEncoder()
         self.journal_factory = journal_factory

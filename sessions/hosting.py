@@ -12,6 +12,8 @@ from typing import Generic, TypeVar
 
 import cv2
 
+from calibration.applying import calibrated_profile
+from calibration.record import CalibrationRecord
 from cell.assembly import assemble_hardware, assemble_twin
 from cell.assembly.wires import TwinWires
 from cell.clock import Clock
@@ -65,12 +67,13 @@ def host_twin(
     recordings: Path | None = None,
     views: PictureStorage = "jpeg",
     wires: TwinWires = "memory",
+    calibrations: tuple[CalibrationRecord, ...] = (),
 ) -> Hosted[TwinCell]:
     """Put a twin cell and its desk together.
 
     Args:
         script: The script to serve.
-        profile: The cell's profile.
+        profile: What the cell's file says, which the twin is made by.
         profile_text: Its TOML text, for recordings.
         seed: Seed of the first session, from which those of the others follow.
         clock: The clock of everything in the cell.
@@ -78,18 +81,21 @@ def host_twin(
         recordings: Where sessions are recorded; None records nothing.
         views: How recorded pictures are kept.
         wires: How drivers and emulators are joined.
+        calibrations: The calibrations in force, which go before what the file says.
 
     Raises:
         ScriptUnservable: The cell lacks what the script needs.
+        CalibrationError: A calibration does not fit the profile.
         StillHeld: Another process has this cell.
         CellError: What is kept of the cell cannot be used.
     """
-    check_servable(script, profile)
+    known = calibrated_profile(profile, calibrations)
+    check_servable(script, known)
     events = EventBus(clock)
     tap = SwitchedTap()
     wire = WireLog(clock, None if recordings is None else tap)
     cell = assemble_twin(
-        profile,
+        known,
         store_plan(script),
         seed=seed,
         clock=clock,
@@ -97,9 +103,10 @@ def host_twin(
         tap=wire,
         events=events,
         wires=wires,
+        truth=profile,
     )
     journals = _journals(recordings, events, clock, views, tap)
-    desk = _desk(cell, script, profile, profile_text, events, seed, journals)
+    desk = _desk(cell, script, profile_text, calibrations, events, seed, journals)
     return Hosted(cell, desk, wire)
 
 
@@ -115,12 +122,13 @@ def host_hardware(
     cameras: Mapping[str, Camera] | None = None,
     recordings: Path | None = None,
     views: PictureStorage = "jpeg",
+    calibrations: tuple[CalibrationRecord, ...] = (),
 ) -> Hosted[RobotCell]:
     """Put a cell on the ports of its profile and its desk together.
 
     Args:
         script: The script to serve.
-        profile: The cell's profile.
+        profile: What the cell's file says.
         profile_text: Its TOML text, for recordings.
         seed: Seed of the first session, from which those of the others follow.
         clock: Real time.
@@ -129,18 +137,21 @@ def host_hardware(
         cameras: The cameras by name; those of the profile unless given.
         recordings: Where sessions are recorded; None records nothing.
         views: How recorded pictures are kept.
+        calibrations: The calibrations in force, which go before what the file says.
 
     Raises:
         ScriptUnservable: The cell lacks what the script needs.
+        CalibrationError: A calibration does not fit the profile.
         StillHeld: Another process has this cell.
         CellError: What is kept of the cell cannot be used.
     """
-    check_servable(script, profile)
+    known = calibrated_profile(profile, calibrations)
+    check_servable(script, known)
     events = EventBus(clock)
     tap = SwitchedTap()
     wire = WireLog(clock, None if recordings is None else tap)
     cell = assemble_hardware(
-        profile,
+        known,
         store_plan(script),
         clock=clock,
         state_folder=state_folder,
@@ -150,7 +161,7 @@ def host_hardware(
         events=events,
     )
     journals = _journals(recordings, events, clock, views, tap)
-    desk = _desk(cell, script, profile, profile_text, events, seed, journals)
+    desk = _desk(cell, script, profile_text, calibrations, events, seed, journals)
     return Hosted(cell, desk, wire)
 
 
@@ -169,8 +180,8 @@ def _journals(
 def _desk(
     cell: RobotCell,
     script: CellScript,
-    profile: Profile,
     profile_text: str,
+    calibrations: tuple[CalibrationRecord, ...],
     events: EventBus,
     seed: int,
     journals: Callable[[SessionStart], Journal],
@@ -180,9 +191,10 @@ def _desk(
     return Desk(
         cell,
         script,
-        profile,
+        cell.profile,
         events=events,
         profile_text=profile_text,
+        calibrations=calibrations,
         seed=seed,
         journal_factory=journals,
         versions=versions(),

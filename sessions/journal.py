@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from calibration.record import CalibrationRecord
 from cell.devices.camera import Frame
 
 
@@ -79,12 +80,13 @@ class SessionStart:
         session_id: Name of the session, unique on this machine.
         script_name: File name of the script.
         script_text: Its text.
-        profile_text: TOML text of the profile.
+        profile_text: TOML text of the profile, without what was calibrated.
         dialect: MAS dialect of the listener.
         seed: Seed of the session (before any `USE_GLOBAL_SEED`).
         world_json: The twin's world as the session found it, empty on hardware.
         peer: Address of the client.
         versions: Version of everything that matters, by name.
+        calibrations: The calibrations in force, which the cell knew besides its profile.
         backlog: Lines and replies of this connection before it took the cell.
     """
 
@@ -97,4 +99,5 @@ class SessionStart:
     world_json: str
     peer: str
     versions: dict[str, str]
+    calibrations: tuple[CalibrationRecord, ...] = ()
     backlog: Sequence[tuple[bytes, Reply]] = ()

@@ -29,13 +29,23 @@ class ViewSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TaskSpec:
-    """A goal in an environment, as far as a client is concerned."""
+    """A goal in an environment, as far as a client is concerned.
+
+    Attributes:
+        goal: Name of the goal.
+        environment: Name of the environment.
+        actions: Names of its actions.
+        views: What can be seen.
+        is_teaching: Whether actions are suggested.
+        accuracy_mm: How well the cell must be known; None where nothing is demanded.
+    """
 
     goal: str
     environment: str
     actions: tuple[str, ...]
     views: tuple[ViewSpec, ...]
     is_teaching: bool
+    accuracy_mm: float | None = None
 
 
 class Outcome(Protocol):

@@ -248,6 +248,7 @@ class Session:
             world_json=desk.cell.world_json(),
             peer=self._peer,
             versions=desk.versions,
+            calibrations=desk.calibrations,
             backlog=tuple(self._backlog),
         )
         self._journal = desk.journal_factory(start)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
+import numpy as np
+
+from calibration.demands import unmet_for_camera, unmet_for_lattice
+from calibration.record import CalibrationRecord
 from cell.errors import MotionRefused, UnreachablePose
-from cell.geometry import LatticeMap, PlaneMap, Pose
+from cell.geometry import LatticeMap, Pose
 from cell.kinematics import SixAxisArm
 from cell.motion.guard import Guard
 from cell.profile import Profile
@@ -23,13 +27,20 @@ class ProfileSite:
 
     A place is in reach when the arm can stand above it, gripper down, and go straight
     down to the laying height with a block between its fingers, by the same guard that
-    passes motions when a task runs. A view sees a place when its camera's plane map puts
-    the block's centre into the picture; cameras without one (they move with the arm, or
+    passes motions when a task runs. A view sees a place when its camera's place or plane map
+    puts the block's centre into the picture; cameras without either (they move with the arm, or
     are not calibrated) are taken to see everything.
     """
 
-    def __init__(self, profile: Profile) -> None:
+    def __init__(self, profile: Profile, calibrations: Sequence[CalibrationRecord] = ()) -> None:
+        """Look at a cell.
+
+        Args:
+            profile: Its profile, with the calibrations in force.
+            calibrations: The calibrations in force.
+        """
         self._profile = profile
+        self._calibrations = tuple(calibrations)
         self._arm = SixAxisArm.from_profile(profile.arm)
         self._guard = Guard.from_profile(profile)
         self._lattice = LatticeMap(
@@ -42,10 +53,8 @@ class ProfileSite:
         self._block_tops_mm = heights.surface_mm + max(
             block.height_mm for block in profile.blocks.values()
         )
-        self._maps = {
-            name: PlaneMap(camera.plane_map)
-            for name, camera in profile.cameras.items()
-            if camera.plane_map is not None
+        self._table_views = {
+            name: camera.view(self._block_tops_mm) for name, camera in profile.cameras.items()
         }
         self._reached: dict[tuple[float, float, float], str | None] = {}
 
@@ -79,15 +88,29 @@ class ProfileSite:
 
     def sees(self, view: str, x: int, y: int) -> bool:
         """Whether a block on a lattice point is in a view; True where that varies."""
-        plane_map = self._maps.get(camera_of(view))
-        if plane_map is None:
+        table_view = self._table_views.get(camera_of(view))
+        if table_view is None:
             return True
-        u_px, v_px = plane_map.to_picture(*self._lattice.to_robot(x, y))
-        return 0 <= u_px <= _PICTURE_PX[0] - 1 and 0 <= v_px <= _PICTURE_PX[1] - 1
+        point = np.array([self._lattice.to_robot(x, y)])
+        try:
+            ((u_px, v_px),) = table_view.to_picture(point, self._block_tops_mm)
+        except ValueError:
+            # Behind the camera, or on the horizon of its map.
+            return False
+        return bool(0 <= u_px <= _PICTURE_PX[0] - 1 and 0 <= v_px <= _PICTURE_PX[1] - 1)
 
     def has_camera(self, view: str) -> bool:
         """Whether the cell has a camera for a view."""
         return camera_of(view) in self._profile.cameras
+
+    def lattice_accuracy(self, limit_mm: float) -> str | None:
+        """Say why it is not known to a limit where the lattice lies, or None."""
+        return unmet_for_lattice(limit_mm, self._calibrations)
+
+    def view_accuracy(self, view: str, limit_mm: float) -> str | None:
+        """Say why it is not known to a limit where a view shows the table, or None."""
+        camera = camera_of(view)
+        return unmet_for_camera(camera, limit_mm, self._profile, self._calibrations)
 
     def _reach(self, x_mm: float, y_mm: float, highest_mm: float) -> str | None:
         key = (x_mm, y_mm, max(highest_mm, self._profile.heights.service_mm))

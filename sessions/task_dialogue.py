@@ -8,6 +8,7 @@ from sessions.desk import Desk
 from sessions.journal import Reply
 from sessions.mishaps import Mishap, attempt
 from sessions.phase import TURNS, Phase, Turn
+from sessions.quality import refusal, shortcomings
 from sessions.script import TaskSpec
 from sessions.seeds import derive_seed
 from sessions.session_log import SessionLog
@@ -74,6 +75,8 @@ class TaskDialogue:
     def end_setup(self, seed: int) -> r.Answer:
         """Bring the devices up, lay the blocks out, go to the start.
 
+        A cell that is not known as well as is demanded is not brought up.
+
         Args:
             seed: The session's seed.
 
@@ -83,6 +86,10 @@ class TaskDialogue:
         """
         if self._spec is None or self._phase is not Phase.IN_SETUP:
             return r.Failure("Task setup not started")
+        problems = shortcomings(self._desk.profile, self._desk.calibrations, self._spec)
+        if problems:
+            self._turn(Turn.SETUP_FAILED)
+            return r.Failure(refusal(problems))
         is_set_up = False
         try:
             run = self._run = self._new_run(self._spec, seed)

@@ -34,6 +34,7 @@ def fresh_session(start: SessionStart, script_text: str | None = None) -> Iterat
         start.profile_text,
         seed=start.seed,
         clock=SimulatedClock(),
+        calibrations=start.calibrations,
     )
     try:
         if start.world_json:

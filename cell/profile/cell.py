@@ -86,6 +86,9 @@ class CellProfile(Table):
     """A network camera that people look through."""
     boxes: tuple[BoxProfile, ...] = ()
     """Boxes that no part of the arm may enter."""
+    demands: dict[str, Positive] = {}
+    """Greatest error in mm of each kind of calibration, such as `homography`, below which no
+    task begins; a kind that is not calibrated at all does not meet it."""
     watchdog: WatchdogProfile = WatchdogProfile()
     """The test of every component when no session runs."""
     reports: ReportsProfile = ReportsProfile()

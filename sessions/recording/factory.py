@@ -7,12 +7,15 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
+from calibration.applying import calibrated_profile
+from calibration.errors import CalibrationError
 from cell.clock import Clock
 from cell.errors import ProfileError
 from cell.events import EventBus
 from cell.links.base import Direction
 from cell.profile import parse_profile
 from sessions.journal import SessionStart
+from sessions.recording import layout
 from sessions.recording.file import RecordingFile
 from sessions.recording.pictures import PictureStorage
 from sessions.recording.recorder import SessionRecorder
@@ -80,20 +83,33 @@ class RecorderFactory:
             events=self._events,
             clock=self._clock,
             views=self._views,
-            calibration=_calibration(start.profile_text),
+            calibration=_calibration(start),
             started_utc=self._wall_clock(),
         )
         self.tap.switch_to(recorder)
         return recorder
 
 
-def _calibration(profile_text: str) -> Mapping[str, str]:
-    """Return the calibrated values of a profile by name, as JSON."""
-    try:
-        profile = parse_profile(profile_text, "the session's profile")
-    except ProfileError:
-        return {}
+def _calibration(start: SessionStart) -> Mapping[str, str]:
+    """Return the calibrated values that the cell knows and what they come from, as JSON."""
     values = {
+        f"{layout.IN_FORCE_PREFIX}{record.kind}/{record.subject}": json.dumps(
+            {
+                "identity": record.identity,
+                "grade": record.grade.value,
+                "accuracy": record.accuracy.stated,
+                "unit": record.accuracy.unit,
+                "measured_at": record.measured_at.isoformat(),
+            }
+        )
+        for record in start.calibrations
+    }
+    try:
+        profile = parse_profile(start.profile_text, "the session's profile")
+        profile = calibrated_profile(profile, start.calibrations)
+    except (ProfileError, CalibrationError):
+        return values
+    values |= {
         f"plane_map/{name}": json.dumps(camera.plane_map)
         for name, camera in profile.cameras.items()
         if camera.plane_map is not None

@@ -26,6 +26,9 @@ VERSIONS_METADATA: Final = "versions"
 CALIBRATION_METADATA: Final = "calibration"
 SCRIPT_FILE: Final = "script.cell"
 PROFILE_FILE: Final = "profile.toml"
+CALIBRATIONS_FILE: Final = "calibrations.json"
+"""The records in force, whole; there only if there were any."""
+IN_FORCE_PREFIX: Final = "in_force/"
 WORLD_FILE: Final = "world.json"
 
 REPLY_HEAD: Final = struct.Struct("<BQ")

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
+from calibration.record import CalibrationRecord
 from cell.links.base import Direction
 from sessions.journal import SessionStart
 from sessions.recording import layout
@@ -316,11 +319,21 @@ def _session_start(scan: RecordScan, session: dict[str, str]) -> SessionStart:
             world_json=scan.attachments[layout.WORLD_FILE].decode(),
             peer=session["peer"],
             versions=scan.metadata.get(layout.VERSIONS_METADATA, {}),
+            calibrations=_calibrations(scan.attachments.get(layout.CALIBRATIONS_FILE, b"[]")),
         )
     except (KeyError, ValueError) as error:
         raise RecordingError(
             f"{scan.path}: the session's start is not readable: {error}"
         ) from error
+
+
+def _calibrations(data: bytes) -> tuple[CalibrationRecord, ...]:
+    """Return the calibrations that were in force.
+
+    Raises:
+        ValueError: The data holds none that this program reads.
+    """
+    return TypeAdapter(tuple[CalibrationRecord, ...]).validate_json(data)
 
 
 def _view_reference(sent: dict[str, object]) -> ViewReference:

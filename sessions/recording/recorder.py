@@ -299,6 +299,11 @@ class SessionRecorder:
         file.add_attachment(
             layout.WORLD_FILE, "application/json", start.world_json.encode(), self._start_ns
         )
+        if start.calibrations:
+            records = b",\n".join(record.canonical() for record in start.calibrations)
+            file.add_attachment(
+                layout.CALIBRATIONS_FILE, "application/json", b"[" + records + b"]", self._start_ns
+            )
         file.add_metadata(layout.VERSIONS_METADATA, start.versions)
         file.add_metadata(layout.CALIBRATION_METADATA, calibration)
         # Last, so that whoever finds it finds everything above, too.
