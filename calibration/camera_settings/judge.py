@@ -23,11 +23,15 @@ _LEAST_PATCHES = 12
 _LEAST_CORRELATION = 0.6
 _LEAST_AGREEMENT = 0.5
 _LEAST_CONTRAST = 0.06
+_MOST_DARK_SHARE = 0.8
 _LEAST_LIGHT = 0.1
 _LEAST_SHARPNESS_RATIO = 0.93
 _MOST_SWING = 0.01
 _CHANGED_LEVELS = 15.0
 _CHANGED_SHARE = 0.25
+_GLOW_LEVEL, _CHANGED_GLOW = 30.0, 45.0
+"""A dark screen's own glow shows the more the weaker the lamps are."""
+
 _LEAST_CHANGED_PATCHES = 24
 _SHORT_LOG = 0.02
 
@@ -43,7 +47,7 @@ def target_findings(target: Target) -> Iterator[Finding]:
             "colours are not known there",
             hint="take a reference on a dark screen, exposed so that nothing but lamps clips",
         )
-    elif int(target.is_stable.sum()) < _LEAST_PATCHES:
+    elif target.sharpness > 0.0 and int(target.is_stable.sum()) < _LEAST_PATCHES:
         yield Finding(
             code="poor-reference",
             grade=Grade.BAD,
@@ -85,7 +89,7 @@ def scene_findings(
             hint="take the cap off the lens, clear the view",
         )
         return
-    if not is_whole_picture:
+    if not is_whole_picture or match.dark_share > _MOST_DARK_SHARE:
         return
     share = match.agreeing / max(match.usable, 1)
     if match.correlation < _LEAST_CORRELATION and share < _LEAST_AGREEMENT:
@@ -251,8 +255,12 @@ def largest_change(target: Target, pixels: NDArray[np.uint8], match: Match) -> i
     factor = np.exp(np.array(match.log_ratios))
     seen = patches(pixels, COLUMNS, ROWS)
     now = np.minimum(seen.means * factor, 255.0)
-    difference = np.abs(now - target.means).max(axis=2)
-    limit = np.maximum(_CHANGED_LEVELS, _CHANGED_SHARE * target.means.max(axis=2))
+    # What the lamps do not light, such as the screen's own glow, does not change with them.
+    low, high = np.minimum(seen.means, now), np.maximum(seen.means, now)
+    difference = np.maximum(low - target.means, target.means - high).max(axis=2)
+    brightest = target.means.max(axis=2)
+    limit = np.maximum(_CHANGED_LEVELS, _CHANGED_SHARE * brightest)
+    limit[brightest < _GLOW_LEVEL] = _CHANGED_GLOW
     changed = (difference > limit) & (target.clipped < 0.5) & (seen.clipped < 0.5)
     return _largest_piece(changed)
 

@@ -21,7 +21,6 @@ MOST_PICTURES = 20
 DONE_ERROR = 1.0
 """Mean difference in grey levels at which the search has come to its end."""
 
-_LEAST_USABLE = 12
 _MOST_CLIPPED_SHARE = 0.5
 _DARKER, _BRIGHTER = math.log(0.25), math.log(8.0)
 _LEAST_LOG_STEP = 0.004
@@ -122,7 +121,7 @@ class _Learner:
 
     def learn(self, before: Try, after: Try) -> None:
         """Compare what two pictures differ in with what their knobs do."""
-        if min(before.match.usable, after.match.usable) < _LEAST_USABLE:
+        if not (before.match.is_readable and after.match.is_readable):
             return
         turned = after.knobs.exposure_log - before.knobs.exposure_log
         seen = [b - a for b, a in zip(before.match.log_ratios, after.match.log_ratios, strict=True)]
@@ -154,7 +153,7 @@ class _Learner:
 
 def _wanted(seen: Match) -> tuple[float, float, float]:
     """Return what the next picture's light shall change by, ln by channel."""
-    if seen.usable >= _LEAST_USABLE and seen.clipped_share <= _MOST_CLIPPED_SHARE:
+    if seen.is_readable and seen.clipped_share <= _MOST_CLIPPED_SHARE:
         return seen.log_ratios
     if seen.clipped_share >= seen.dark_share and seen.clipped_share > 0.0:
         return (_DARKER,) * 3

@@ -24,6 +24,7 @@ _LEAST_TARGET_LEVEL = 30.0
 _MOST_TEXTURE_SHARE = 0.2
 _MOST_CLIPPED = 0.01
 _AGREEMENT = 0.10
+_LEAST_USABLE = 12
 
 Means = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -70,6 +71,7 @@ class Match:
 
     Attributes:
         log_ratios: By how much light in R G B lacks: ln of wanted over seen.
+        stable: How many patches could be compared in good light.
         usable: How many patches say so: neither clipped nor dark.
         agreeing: How many of these agree with each other.
         error: Mean difference over the agreeing patches and channels, grey levels, of the
@@ -83,6 +85,7 @@ class Match:
     """
 
     log_ratios: tuple[float, float, float]
+    stable: int
     usable: int
     agreeing: int
     error: float
@@ -92,6 +95,11 @@ class Match:
     dark_share: float
     held_out: int
     correlation: float
+
+    @property
+    def is_readable(self) -> bool:
+        """Whether enough patches tell by how much light is off."""
+        return self.usable >= min(_LEAST_USABLE, max(self.stable // 2, 1))
 
 
 def target_of(pixels: NDArray[np.uint8], source: str) -> Target:
@@ -185,6 +193,7 @@ def match(target: Target, pixels: NDArray[np.uint8], gamma: float = 1.0) -> Matc
     total = max(int(stable.sum()), 1)
     return Match(
         log_ratios=ratios,
+        stable=int(stable.sum()),
         usable=int(usable.sum()),
         agreeing=int(agrees.sum()),
         error=float(held.mean()) if held.size else float("inf"),
