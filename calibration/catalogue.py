@@ -59,6 +59,13 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         check="calibration.camera_settings.checking:check_camera_settings",
         summary="shutter, gain and white balance by a reference, a grey area, by hand or table",
     ),
+    Entry(
+        name="store-place",
+        kind="store-place",
+        target="calibration.store_place.procedure:store_place",
+        check="calibration.store_place.checking:check_store_place",
+        summary="where the store's sheet lies, by touched or typed corners or a camera",
+    ),
 )
 """In the order in which a new cell is calibrated."""
 

@@ -1,0 +1,1 @@
+"""Where the store's sheet lies: touched at its corners, or seen by a calibrated camera."""
