@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from console.exits import Exit
 from console.options import AsJson, ProfileName
-from console.output import has_colour, put, put_json
+from console.output import has_colour, put, put_json, say
 
 if TYPE_CHECKING:
     from dsl.diagnostics import Diagnostic
@@ -44,10 +44,13 @@ def check(
     if compiled.program is not None and not no_profile:
         from cell.profile import load_profile
         from console.calibrating import with_calibrations
+        from sessions.quality import shortcomings
         from sessions.site import ProfileSite
 
         known = with_calibrations(load_profile(profile))
         found += check_on_site(compiled.program, ProfileSite(known.profile, known.records))
+        for problem in shortcomings(known.profile, known.records):
+            say(f"warning: no task will begin: {problem}", "yellow")
     is_good = not any(one.severity == "error" for one in found)
     if as_json:
         put_json(

@@ -80,8 +80,8 @@ def show(
         + f"  {start.script_name}, dialect {start.dialect}, seed {start.seed}, from {start.peer},"
         f" {recording.started_utc:%Y-%m-%d %H:%M:%S} UTC"
     )
-    for told in _calibrations(recording):
-        put(styled(told, "dim"))
+    for line in _calibrations(recording):
+        put(styled(line, "dim"))
     _say_state(recording)
     told = {} if not events and wire is None else _beside(recording, with_events=events, wire=wire)
     for step in recording.steps():

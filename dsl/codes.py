@@ -253,6 +253,12 @@ _TABLE = (
         "a block the cell does not know",
         "The cell's profile has no such kind or colour of block.",
     ),
+    Code(
+        "E706",
+        "not known as well as is demanded",
+        "An `accuracy` demands it, and the cell's calibrations say less, or there is none: of "
+        "where the lattice lies, or of where a view shows the table. Calibrate again.",
+    ),
 )
 
 CODES = {code.code: code for code in _TABLE}

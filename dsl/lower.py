@@ -80,6 +80,7 @@ class _Lowering:
             "world": self.world,
             "background": self.background,
             "travel": self.travel,
+            "accuracy": self.accuracy,
             "views": self.views,
             "actions": self.actions,
             "teaching": self.teaching,
@@ -131,6 +132,9 @@ class _Lowering:
 
     def travel(self, tree: Tree[Token]) -> n.TravelNode:
         return n.TravelNode(self.length(_trees(tree)[0]), _span(tree))
+
+    def accuracy(self, tree: Tree[Token]) -> n.AccuracyNode:
+        return n.AccuracyNode(self.length(_trees(tree)[0]), _span(tree))
 
     def views(self, tree: Tree[Token]) -> n.ViewsNode:
         return n.ViewsNode(tuple(self.view(t) for t in _trees(tree)), _span(tree))

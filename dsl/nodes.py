@@ -146,6 +146,14 @@ class TravelNode:
 
 
 @dataclass(frozen=True, slots=True)
+class AccuracyNode:
+    """The `accuracy` statement of an environment or a goal."""
+
+    limit: Number
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class ViewNode:
     """One view of a `views` statement, with what stands after its `as`."""
 
@@ -250,6 +258,7 @@ EnvironmentPart = (
     WorldNode
     | BackgroundNode
     | TravelNode
+    | AccuracyNode
     | ViewsNode
     | ActionsNode
     | TeachingNode
@@ -326,7 +335,9 @@ class RuleNode:
     span: Span
 
 
-GoalPart = InNode | StartNode | TargetNode | RuleNode | GapNode | DistanceNode | RegionNode
+GoalPart = (
+    InNode | StartNode | TargetNode | AccuracyNode | RuleNode | GapNode | DistanceNode | RegionNode
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -220,6 +220,14 @@ class Region:
         return f"{self.selector} {where} ({self.left}, {self.bottom}) to ({self.right}, {self.top})"
 
 
+@dataclass(frozen=True, slots=True)
+class Accuracy:
+    """How well the cell must be known: where its lattice and its views lie."""
+
+    limit_mm: float
+    span: Span
+
+
 Requirement = Gap | Distance | Region
 
 
@@ -237,6 +245,7 @@ class Environment:
     places: tuple[Place, ...]
     requirements: tuple[Requirement, ...]
     span: Span
+    accuracy: Accuracy | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,6 +296,7 @@ class Goal:
     requirements: tuple[Requirement, ...]
     rules: tuple[Rule, ...]
     span: Span
+    accuracy: Accuracy | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import Protocol
 
 from dsl.diagnostics import Diagnostic, Report
-from dsl.program import Environment, Program, Slot
+from dsl.program import Accuracy, Environment, Program, Slot, View
 from dsl.words import did_you_mean
 
 
@@ -36,6 +36,15 @@ class Site(Protocol):
     def sees(self, view: str, x: int, y: int) -> bool:
         """Whether a block on a lattice point is in a view; True where that varies."""
 
+    def lattice_accuracy(self, limit_mm: float) -> str | None:
+        """Say why it is not known to a limit where the lattice lies, or None."""
+
+    def view_accuracy(self, view: str, limit_mm: float) -> str | None:
+        """Say why it is not known to a limit where a view shows the table, or None.
+
+        A view whose camera moves shows it now here, now there; that is None, too.
+        """
+
     def has_camera(self, view: str) -> bool:
         """Whether the cell has a camera for a view."""
 
@@ -53,6 +62,12 @@ def check_on_site(program: Program, site: Site) -> tuple[Diagnostic, ...]:
     for environment in program.environments.values():
         _check_reach(environment, site, report)
         _check_views(environment, site, report)
+        if environment.accuracy is not None:
+            _check_accuracy(environment.accuracy, environment.views, site, report)
+    for goal in program.goals.values():
+        if goal.accuracy is not None:
+            views = [v for e in goal.environments for v in program.environments[e].views]
+            _check_accuracy(goal.accuracy, views, site, report)
     return report.diagnostics()
 
 
@@ -99,6 +114,15 @@ def _check_views(environment: Environment, site: Site, report: Report) -> None:
                 f"{environment.name}, such as ({x}, {y})"
             )
             report.add("E703", view.span, message, "make the world smaller, or move the lattice")
+
+
+def _check_accuracy(accuracy: Accuracy, views: Iterable[View], site: Site, report: Report) -> None:
+    problems = [site.lattice_accuracy(accuracy.limit_mm)]
+    for name in dict.fromkeys(view.name for view in views):
+        problems.append(site.view_accuracy(name, accuracy.limit_mm))
+    for problem in problems:
+        if problem is not None:
+            report.add("E706", accuracy.span, problem, "`cell calibrate` lists how")
 
 
 def _points(environment: Environment) -> list[tuple[int, int]]:

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 WORDS = frozenset(
-    """above action actions after any as at background block distance environment event extends
-    fail finish gap goal hit in inside left lower move nothing of off on otherwise outside place
-    random require reward right slot start steps store target teaching to travel turned upper
-    views wall when world""".split()  # noqa: SIM905
+    """above accuracy action actions after any as at background block distance environment event
+    extends fail finish gap goal hit in inside left lower move nothing of off on otherwise
+    outside place random require reward right slot start steps store target teaching to
+    travel turned upper views wall when world""".split()  # noqa: SIM905
 )
 """Every word with a meaning; none of them can be a name."""
 
@@ -25,13 +25,14 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         "world",
         "background",
         "travel",
+        "accuracy",
         "views",
         "actions",
         "teaching",
         "place",
         "require",
     ),
-    "goal": ("in", "start", "target", "when", "after", "otherwise", "require"),
+    "goal": ("in", "start", "target", "accuracy", "when", "after", "otherwise", "require"),
 }
 """Words that begin a statement, by the declaration that may hold it."""
 

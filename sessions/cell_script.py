@@ -36,6 +36,7 @@ class CellScript:
     def task(self, goal: str, environment: str) -> TaskSpec:
         """Return what a goal in an environment offers."""
         place = self.program.environments[environment]
+        limits = [a.limit_mm for a in (place.accuracy, self.program.goals[goal].accuracy) if a]
         views = (
             ViewSpec(name=v.name, mime=v.mime, width_px=v.width_px, height_px=v.height_px)
             for v in place.views
@@ -46,6 +47,7 @@ class CellScript:
             actions=place.actions,
             views=tuple(views),
             is_teaching=place.is_teaching,
+            accuracy_mm=min(limits, default=None),
         )
 
     def start(self, goal: str, environment: str, *, seed: int, host: Host) -> RunningTask:

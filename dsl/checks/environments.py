@@ -10,11 +10,19 @@ from dsl import nodes as n
 from dsl.checks.basics import MAX_SLOTS
 from dsl.checks.requirements import check_requirement
 from dsl.checks.scope import Scope
-from dsl.checks.values import definite_selector, length_mm, quarter_turn_deg, selector, spot, whole
+from dsl.checks.values import (
+    accuracy,
+    definite_selector,
+    length_mm,
+    quarter_turn_deg,
+    selector,
+    spot,
+    whole,
+)
 from dsl.checks.views import check_views
 from dsl.diagnostics import Report
 from dsl.kinds import BACKGROUNDS
-from dsl.program import Environment, Place, Requirement, View, World
+from dsl.program import Accuracy, Environment, Place, Requirement, View, World
 from dsl.words import did_you_mean
 
 MAX_WORLD = 40
@@ -23,7 +31,14 @@ DEFAULT_BACKGROUND = "black"
 DEFAULT_TRAVEL_MM = 65.0
 
 Part = TypeVar(
-    "Part", n.WorldNode, n.BackgroundNode, n.TravelNode, n.ViewsNode, n.ActionsNode, n.TeachingNode
+    "Part",
+    n.WorldNode,
+    n.BackgroundNode,
+    n.TravelNode,
+    n.AccuracyNode,
+    n.ViewsNode,
+    n.ActionsNode,
+    n.TeachingNode,
 )
 Value = TypeVar("Value")
 
@@ -40,6 +55,7 @@ class Draft:
     world: World | None = None
     background: str | None = None
     travel_mm: float | None = None
+    accuracy: Accuracy | None = None
     views: tuple[View, ...] | None = None
     actions: tuple[str, ...] | None = None
     is_teaching: bool | None = None
@@ -97,6 +113,7 @@ def _merged(base: Draft, own: Draft) -> Draft:
         world=own.world or base.world,
         background=own.background or base.background,
         travel_mm=own.travel_mm or base.travel_mm,
+        accuracy=own.accuracy or base.accuracy,
         views=base.views if own.views is None else own.views,
         actions=base.actions if own.actions is None else own.actions,
         is_teaching=base.is_teaching if own.is_teaching is None else own.is_teaching,
@@ -127,6 +144,7 @@ def _finish(node: n.EnvironmentNode, draft: Draft, report: Report) -> Environmen
         places=draft.places or (),
         requirements=draft.requirements or (),
         span=node.name.span,
+        accuracy=draft.accuracy,
     )
 
 
@@ -137,6 +155,7 @@ def _own(scope: Scope, node: n.EnvironmentNode, report: Report) -> Draft:
         world=_once(node, n.WorldNode, _world, report),
         background=_once(node, n.BackgroundNode, _background, report),
         travel_mm=_once(node, n.TravelNode, _travel, report),
+        accuracy=_once(node, n.AccuracyNode, accuracy, report),
         views=_once(node, n.ViewsNode, check_views, report),
         actions=_once(
             node,

@@ -9,11 +9,11 @@ from dsl import nodes as n
 from dsl.checks.requirements import check_requirement
 from dsl.checks.rules import check_rules
 from dsl.checks.scope import Scope
-from dsl.checks.values import definite_selector, quarter_turn_deg, spot
+from dsl.checks.values import accuracy, definite_selector, quarter_turn_deg, spot
 from dsl.diagnostics import Report
 from dsl.program import Goal, Spot, Target
 
-Part = TypeVar("Part", n.InNode, n.StartNode, n.TargetNode)
+Part = TypeVar("Part", n.InNode, n.StartNode, n.TargetNode, n.AccuracyNode)
 
 
 def check_goals(scope: Scope, report: Report) -> dict[str, Goal]:
@@ -32,6 +32,8 @@ def _goal(scope: Scope, node: n.GoalNode, report: Report) -> Goal | None:
     among = _once(node, n.InNode, "in", report)
     begin = _once(node, n.StartNode, "start", report)
     aim = _once(node, n.TargetNode, "target", report)
+    demand = _once(node, n.AccuracyNode, "accuracy", report)
+    limit = accuracy(demand, report) if demand else None
     environments = scope.known("environment", among.names if among else (), scope.environments)
     start = spot(begin.spot, report) if begin else Spot("corner", 0, 0, node.name.span)
     target = _target(aim, report) if aim else None
@@ -53,6 +55,7 @@ def _goal(scope: Scope, node: n.GoalNode, report: Report) -> Goal | None:
         requirements=tuple(r for r in requirements if r is not None),
         rules=rules,
         span=node.name.span,
+        accuracy=limit,
     )
 
 

@@ -7,11 +7,13 @@ import math
 from dsl import nodes as n
 from dsl.diagnostics import Report
 from dsl.kinds import COLOURS, KINDS
-from dsl.program import Relation, Selector, Spot
+from dsl.program import Accuracy, Relation, Selector, Spot
 from dsl.words import did_you_mean, enumerate_words
 
 MAX_COORDINATE = 999
 """Largest lattice coordinate that a script may write."""
+
+MIN_ACCURACY_MM, MAX_ACCURACY_MM = 0.01, 100.0
 
 
 def finite(number: n.Number, report: Report) -> float | None:
@@ -36,6 +38,12 @@ def whole(number: n.Number, what: str, low: int, high: int, report: Report) -> i
 def length_mm(number: n.Number, what: str, low: float, high: float, report: Report) -> float | None:
     """Return a length in a range, in millimetres, or None with a report."""
     return _measured(number, "mm", what, low, high, report)
+
+
+def accuracy(node: n.AccuracyNode, report: Report) -> Accuracy | None:
+    """Return how well the cell must be known, or None with a report."""
+    limit_mm = length_mm(node.limit, "the accuracy", MIN_ACCURACY_MM, MAX_ACCURACY_MM, report)
+    return None if limit_mm is None else Accuracy(limit_mm, node.span)
 
 
 def quarter_turn_deg(number: n.Number | None, report: Report) -> float:

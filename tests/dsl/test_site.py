@@ -18,6 +18,7 @@ class Cell:
         self.cameras = ["CAMERA_TOP", "CAMERA_OBLIQUE", "CAMERA_GRIPPER"]
         self.far: set[tuple[int, int]] = set()
         self.far_slots: set[int] = set()
+        self.known_mm: dict[str, float] = {}
         self.hidden: set[tuple[str, int, int]] = set()
 
     def reach(self, x: int, y: int, travel_mm: float) -> str | None:
@@ -28,6 +29,14 @@ class Cell:
 
     def sees(self, view: str, x: int, y: int) -> bool:
         return (view, x, y) not in self.hidden
+
+    def lattice_accuracy(self, limit_mm: float) -> str | None:
+        known_mm = self.known_mm.get("lattice", 0.0)
+        return f"the lattice has {known_mm:g} mm" if known_mm > limit_mm else None
+
+    def view_accuracy(self, view: str, limit_mm: float) -> str | None:
+        known_mm = self.known_mm.get(view, 0.0)
+        return f"{view} has {known_mm:g} mm" if known_mm > limit_mm else None
 
     def has_camera(self, view: str) -> bool:
         return view in self.cameras
@@ -87,3 +96,33 @@ def test_blocks_the_cell_does_not_know_are_named() -> None:
     codes = findings(cell)
     assert codes.count(("E705", "this cell has no kind `bridge`")) == 2
     assert codes.count(("E705", "this cell has no colour `green`")) == 4
+
+
+def demanding(text: str) -> list[tuple[str, str, int]]:
+    cell = Cell()
+    cell.known_mm = {"lattice": 0.4, "CAMERA_TOP": 3.1}
+    found = check_on_site(program(text), cell)
+    return [(d.code, d.message, d.span.line) for d in found]
+
+
+def test_what_is_demanded_and_not_known_is_told_where_it_is_demanded() -> None:
+    text = library_script("mash")
+    first = text.index("environment STATIC_12x12 {")
+    line = text.count("\n", 0, first) + 2
+    head = "environment STATIC_12x12 {\n"
+    limited = text.replace(head, head + "  accuracy 2 mm\n")
+    found = demanding(limited)
+    assert ("E706", "CAMERA_TOP has 3.1 mm", line) in found
+    # Every environment takes it over from this one.
+    assert {code for code, _, _ in found} == {"E706"}
+    assert demanding(text) == []
+
+
+def test_a_goal_demands_it_of_the_views_of_all_its_environments() -> None:
+    text = library_script("mash")
+    head = "goal ReachRedCube {\n"
+    line = text.count("\n", 0, text.index(head)) + 2
+    assert demanding(text.replace(head, head + "  accuracy 0.3 mm\n")) == [
+        ("E706", "the lattice has 0.4 mm", line),
+        ("E706", "CAMERA_TOP has 3.1 mm", line),
+    ]
