@@ -40,6 +40,11 @@ from cell.profile.playground import (
     ManipulationProfile,
     StoreProfile,
 )
+from cell.profile.recognition import (
+    LearnedColourProfile,
+    LearnedKindProfile,
+    RecognitionProfile,
+)
 from cell.profile.sources import profile_text, shipped_profiles, user_profiles
 from cell.profile.table import Colour, Kind, Positive
 from cell.profile.watching import BugzillaProfile, ReportsProfile, WatchdogProfile, WebhookProfile
@@ -51,6 +56,8 @@ __all__ = [
     "BoxProfile",
     "BugzillaProfile",
     "CameraProfile",
+    "LearnedColourProfile",
+    "LearnedKindProfile",
     "LensProfile",
     "PlaceProfile",
     "TwinLightProfile",
@@ -70,6 +77,7 @@ __all__ = [
     "OutputsProfile",
     "Positive",
     "Profile",
+    "RecognitionProfile",
     "ReportsProfile",
     "SerialProfile",
     "ServerProfile",

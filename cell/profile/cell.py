@@ -19,6 +19,7 @@ from cell.profile.playground import (
     ManipulationProfile,
     StoreProfile,
 )
+from cell.profile.recognition import RecognitionProfile
 from cell.profile.table import Kind, Name, NotNegative, Positive, Table, Text
 from cell.profile.watching import ReportsProfile, WatchdogProfile
 
@@ -116,5 +117,7 @@ class Profile(CellProfile):
     """Heights of the tool point."""
     blocks: dict[Kind, BlockProfile]
     """Size of each kind of block."""
+    recognition: RecognitionProfile | None = None
+    """What was learned of the blocks' looks, if it was."""
     twin: TwinProfile
     """How imperfect the twin is, and where its cameras stand."""
