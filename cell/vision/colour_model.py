@@ -93,15 +93,15 @@ class ColourModel:
         classes: The colours.
         most_distance: Samples farther than this many standard deviations have no colour.
         least_probability: Samples whose colour is less sure than this have none.
-        light_spread: Standard deviation of ln light, when the light is not known: 0.25
-            covers lamps 30 % dimmer or brighter.
+        light_spread: Standard deviation of ln light, when the light is not known: 0.18
+            is that of lamps anywhere from 30 % dimmer to 30 % brighter.
         origin: Where the figures come from, for people.
     """
 
     classes: tuple[ColourClass, ...]
-    most_distance: float = 4.0
+    most_distance: float = 3.5
     least_probability: float = 0.95
-    light_spread: float = 0.25
+    light_spread: float = 0.18
     origin: str = field(default="", compare=False)
 
     @property
@@ -117,20 +117,28 @@ class ColourModel:
             light: Level of the lamps, 1 for that of the model; None when it is not known.
             noise: Standard deviation of the means beyond what the classes hold, grey levels.
         """
-        distances, costs = self.costs(np.array([rgb]), light=light, noise=noise)
-        order = np.argsort(costs[0])
+        return self.classify_all(np.array([rgb]), light=light, noise=noise)[0]
+
+    def classify_all(
+        self, rgb: NDArray[np.floating], *, light: float | None = None, noise: float = 0.0
+    ) -> list[ColourGuess]:
+        """Return the colours of channel means (n, 3); see `classify`."""
+        distances, costs = self.costs(rgb, light=light, noise=noise)
+        return [self._guess(*pair) for pair in zip(distances, costs, strict=True)]
+
+    def _guess(self, distances: NDArray[np.float64], costs: NDArray[np.float64]) -> ColourGuess:
+        order = np.argsort(costs)
         best = int(order[0])
-        weights = np.exp(-0.5 * (costs[0] - costs[0, best]))
+        weights = np.exp(-0.5 * (costs - costs[best]))
         probability = float(weights[best] / weights.sum())
-        margin = float(costs[0, order[1]] - costs[0, best]) / 2.0 if len(order) > 1 else math.inf
-        distance = float(distances[0, best])
+        margin = float(costs[order[1]] - costs[best]) / 2.0 if len(order) > 1 else math.inf
+        distance = float(distances[best])
         nearest = self.classes[best].colour
         reason = ""
         if distance > self.most_distance:
             reason = f"no known colour: nearest is {nearest}, {distance:.1f} deviations away"
         elif probability < self.least_probability:
-            second = self.classes[int(order[1])].colour
-            reason = f"colour between {nearest} and {second}"
+            reason = f"colour between {nearest} and {self.classes[int(order[1])].colour}"
         return ColourGuess(
             colour=None if reason else nearest,
             probability=probability,
@@ -198,6 +206,8 @@ class ColourModel:
         distances, costs = self.costs(rgb, noise=256 / side / math.sqrt(12.0) + 1.0)
         best = np.argmin(costs, axis=1)
         is_near = distances[np.arange(len(rgb)), best] <= self.most_distance
+        # Where every channel is at its end, the colour is lost.
+        is_near &= rgb.min(axis=1) < _CLIPPED_LEVEL - 256 / side
         table = np.where(is_near, best + 1, 0).astype(np.uint8)
         table.setflags(write=False)
         return table

@@ -1,0 +1,388 @@
+"""Blocks in the picture of a fixed camera: one call for one picture or for two.
+
+With two pictures, on a white and on a black screen, faces are sought in the black one and
+whatever hides the lit screen must be explained by them. With one picture, on any background,
+faces are sought in it alone, and the background's own look is subtracted where it is known.
+
+What cannot be explained is reported as an unknown thing with the reason; what could not be
+seen is told by the visible area. Nothing is guessed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.errors import VisionError
+from cell.vision.colour_model import ColourGuess, ColourModel, reference_colours
+from cell.vision.confidence import confidence_of
+from cell.vision.face_fit import FittedFace, Start, fit_faces
+from cell.vision.faces import PITCH_PX, Face, faces, halved
+from cell.vision.sight import TableSight, turned
+from cell.vision.tables import fold_deg
+from cell.vision.tiling import Placement, single_face, tile
+from cell.vision.visible_area import VisibleArea, visible_area
+
+Pixels = NDArray[np.uint8]
+Points = NDArray[np.float64]
+
+_OUTLINE_LOSS_PX = 1.0
+_LEAST_SUPPORT = 0.55
+_LEAST_OPEN_SUPPORT = 0.6
+_LEAST_UNIFORM = 0.85
+_LEAST_GROUP_SUPPORT = 0.25
+_MOST_LIGHT_SPREAD = 0.22
+_LIT_SHARE = 0.15
+_LEAST_SCREEN_LEVEL = 60.0
+_LEAST_UNKNOWN_SHARE = 0.35
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundBlock:
+    """A block that was recognised.
+
+    Attributes:
+        kind: Kind in the profile's table of blocks.
+        colour: Its paint.
+        x_mm: Robot x of its middle.
+        y_mm: Robot y of its middle.
+        angle_deg: Direction of its length from robot x, folded by the kind's symmetry: cubes
+            -45 to 45, bridges -90 to 90, cylinders 0.
+        confidence: Probability that kind and colour are right.
+        deviation_mm: Standard deviation of the middle along its worst direction.
+        deviation_deg: Standard deviation of the angle.
+        outline_px: Corners of its top face in the picture, (n, 2).
+        mean_rgb: Mean colour of its top face.
+        touches: Whether its face joins that of another block of its colour.
+    """
+
+    kind: str
+    colour: str
+    x_mm: float
+    y_mm: float
+    angle_deg: float
+    confidence: float
+    deviation_mm: float
+    deviation_deg: float
+    outline_px: Points
+    mean_rgb: tuple[float, float, float]
+    touches: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UnknownThing:
+    """Something that is there and was not recognised.
+
+    Attributes:
+        reason: Why not.
+        x_mm: Robot x of its middle, as if it were as high as a block.
+        y_mm: Robot y of the same.
+        outline_px: Its outline in the picture, (n, 2).
+    """
+
+    reason: str
+    x_mm: float
+    y_mm: float
+    outline_px: Points
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recognition:
+    """What a look at the playground came to.
+
+    Attributes:
+        blocks: The blocks, from the picture's top to its bottom.
+        unknown: Things that are there and were not recognised.
+        area: Where one could have seen a block.
+        light: Level of the lamps that the blocks tell, 1 for the model's; None without blocks.
+    """
+
+    blocks: tuple[FoundBlock, ...]
+    unknown: tuple[UnknownThing, ...]
+    area: VisibleArea
+    light: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TwoPictures:
+    """Pictures on a white and on a black screen, nothing moved in between.
+
+    Attributes:
+        white: R G B (960, 1280, 3), uint8.
+        black: The same view.
+    """
+
+    white: Pixels
+    black: Pixels
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnePicture:
+    """A picture on any background.
+
+    Attributes:
+        pixels: R G B (960, 1280, 3), uint8.
+    """
+
+    pixels: Pixels
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecognitionModel:
+    """What the recogniser has learned, beside the profile.
+
+    Attributes:
+        colours: The blocks' colours.
+        least_confidence: Blocks less sure than this are reported as unknown.
+    """
+
+    colours: ColourModel
+    least_confidence: float = 0.5
+
+
+def reference_model() -> RecognitionModel:
+    """Return the model of the reference's tables."""
+    return RecognitionModel(colours=reference_colours())
+
+
+def recognise(
+    look: TwoPictures | OnePicture,
+    sight: TableSight,
+    model: RecognitionModel | None = None,
+    *,
+    hidden: Pixels | None = None,
+) -> Recognition:
+    """Return the blocks on the screen.
+
+    Args:
+        look: One picture or two.
+        sight: What is known of the table.
+        model: What was learned; the reference's tables without one.
+        hidden: Above 0 where something known hides the table, such as the arm (see
+            `cell.vision.arm_mask`), (960, 1280).
+
+    Raises:
+        VisionError: A picture has the wrong shape, or the screen is off in both pictures.
+    """
+    model = model or reference_model()
+    picture = look.black if isinstance(look, TwoPictures) else look.pixels
+    for one in (look.white, look.black) if isinstance(look, TwoPictures) else (look.pixels,):
+        _check(one)
+    return _Look(picture, sight, model, hidden).result(
+        look.white if isinstance(look, TwoPictures) else None
+    )
+
+
+def _check(picture: Pixels) -> None:
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
+        raise VisionError(
+            f"the picture is {picture.dtype} of shape {picture.shape}; take it as uint8 R G B"
+        )
+    if picture.shape[:2] != (960, 1280):
+        raise VisionError(
+            f"the picture has {picture.shape[1]} x {picture.shape[0]} pixels; the view of the "
+            "table is known for 1280 x 960"
+        )
+
+
+class _Look:
+    """One recognition."""
+
+    def __init__(
+        self, picture: Pixels, sight: TableSight, model: RecognitionModel, hidden: Pixels | None
+    ) -> None:
+        self._picture = picture
+        self._sight = sight
+        self._model = model
+        self._area = visible_area(sight, hidden, (picture.shape[0] // 2, picture.shape[1] // 2))
+        self._unknown: list[UnknownThing] = []
+
+    def result(self, white: Pixels | None) -> Recognition:
+        """Return what is there."""
+        small = halved(self._picture)
+        starts, groups = self._starts(small)
+        fitted = fit_faces(self._picture, starts)
+        blocks, light = self._judged(fitted, groups)
+        if white is not None:
+            self._explain_dark(small, halved(white), blocks)
+        return Recognition(
+            blocks=tuple(sorted(blocks, key=lambda one: one.outline_px[:, 1].mean())),
+            unknown=tuple(self._unknown),
+            area=self._area,
+            light=light,
+        )
+
+    def _starts(self, small: Pixels) -> tuple[list[Start], list[int]]:
+        """Return where faces may lie, and the number of the patch that each is part of."""
+        scale = self._mm_per_px()
+        least = min(kind.area_mm2 for kind in self._sight.kinds) / (scale * PITCH_PX) ** 2
+        found = list(faces(small, self._area.mask, self._model.colours, least))
+        if not found:
+            return [], []
+        middles = np.array([face.outline_px.mean(axis=0) for face in found])
+        maps = self._sight.local_maps(middles)
+        starts: list[Start] = []
+        groups: list[int] = []
+        for number, (face, to_mm) in enumerate(zip(found, maps, strict=True)):
+            outline = face.outline_px @ to_mm[:, :2].T + to_mm[:, 2]
+            inverse = np.linalg.inv(to_mm[:, :2])
+            back = np.concatenate([inverse, (-inverse @ to_mm[:, 2])[:, None]], axis=1)
+            placements = self._placements(face, outline, scale, back)
+            for one in placements:
+                starts.append(Start(one.shape, one.x_mm, one.y_mm, one.angle_rad, back))
+                groups.append(number)
+        return starts, groups
+
+    def _placements(
+        self, face: Face, outline: Points, scale: float, px_from_mm: Points
+    ) -> Sequence[Placement]:
+        def refine(rough: Sequence[Placement]) -> list[tuple[Placement, float]]:
+            starts = [
+                Start(one.shape, one.x_mm, one.y_mm, one.angle_rad, px_from_mm) for one in rough
+            ]
+            return [
+                (
+                    Placement(
+                        shape=one.shape,
+                        x_mm=exact.x_mm,
+                        y_mm=exact.y_mm,
+                        angle_rad=exact.angle_rad,
+                        fit=one.fit,
+                    ),
+                    exact.support,
+                )
+                for one, exact in zip(rough, fit_faces(self._picture, starts), strict=True)
+            ]
+
+        grown = _OUTLINE_LOSS_PX * scale
+        one = single_face(outline, grown, self._sight.kinds)
+        if one is not None:
+            return [one]
+        several = tile(outline, grown, self._sight.kinds, refine)
+        if several is not None:
+            return several
+        if face.touches_edge:
+            self._report("cut by the edge of the picture, the screen or what hides it", face)
+        return []
+
+    def _report(self, reason: str, face: Face) -> None:
+        self._add_unknown(reason, face.outline_px)
+
+    def _add_unknown(self, reason: str, outline_px: Points) -> None:
+        x, y = self._sight.view.to_robot(outline_px.mean(axis=0), self._sight.top_mm).tolist()
+        self._unknown.append(
+            UnknownThing(reason=reason, x_mm=x, y_mm=y, outline_px=outline_px)
+        )
+
+    def _mm_per_px(self) -> float:
+        height, width = self._picture.shape[:2]
+        middle = np.array([[width / 2.0, height / 2.0]])
+        return math.sqrt(abs(float(np.linalg.det(self._sight.local_maps(middle)[0][:, :2]))))
+
+    def _judged(
+        self, fitted: Sequence[FittedFace], groups: Sequence[int]
+    ) -> tuple[list[FoundBlock], float | None]:
+        """Return the faces that are blocks, and the light they tell."""
+        members = {number: groups.count(number) for number in set(groups)}
+        kept: list[tuple[FittedFace, bool]] = []
+        for face, number in zip(fitted, groups, strict=True):
+            is_group = members[number] > 1
+            least = _LEAST_GROUP_SUPPORT if is_group else _LEAST_SUPPORT
+            if face.support < least or face.open_support < _LEAST_OPEN_SUPPORT:
+                continue
+            if face.uniform < _LEAST_UNIFORM:
+                continue
+            kept.append((face, is_group))
+        light = self._light([face for face, _ in kept])
+        blocks: list[FoundBlock] = []
+        if not kept:
+            return [], None
+        means = np.array([face.mean_rgb for face, _ in kept])
+        guesses = self._model.colours.classify_all(means, light=light)
+        for (face, is_group), guess in zip(kept, guesses, strict=True):
+            block = self._block(face, guess, is_group)
+            if block is not None:
+                blocks.append(block)
+        return blocks, light
+
+    def _light(self, kept: Sequence[FittedFace]) -> float | None:
+        """Return the level of the lamps: the median of what the faces tell."""
+        colours = self._model.colours
+        if not kept:
+            return None
+        guesses = colours.classify_all(np.array([face.mean_rgb for face in kept]))
+        told = [
+            colours.light_of(face.mean_rgb, guess.colour)
+            for face, guess in zip(kept, guesses, strict=True)
+            if guess.colour is not None
+        ]
+        return float(np.median(told)) if told else None
+
+    def _block(
+        self, face: FittedFace, guess: ColourGuess, is_group: bool
+    ) -> FoundBlock | None:
+        outline = self._outline_px(face)
+        if guess.colour is None:
+            self._add_unknown(guess.reason, outline)
+            return None
+        confidence = guess.probability * confidence_of(face, is_group=is_group)
+        if confidence < self._model.least_confidence:
+            self._add_unknown(f"may be a {guess.colour} {face.shape.kind}", outline)
+            return None
+        symmetry = face.shape.symmetry_deg
+        return FoundBlock(
+            kind=face.shape.kind,
+            colour=guess.colour,
+            x_mm=face.x_mm,
+            y_mm=face.y_mm,
+            angle_deg=fold_deg(math.degrees(face.angle_rad), symmetry),
+            confidence=confidence,
+            deviation_mm=face.deviation_mm,
+            deviation_deg=math.degrees(face.deviation_rad),
+            outline_px=outline,
+            mean_rgb=face.mean_rgb,
+            touches=is_group,
+        )
+
+    def _outline_px(self, face: FittedFace) -> Points:
+        corners = turned(face.shape.outline_mm, face.angle_rad) + (face.x_mm, face.y_mm)
+        return self._sight.view.to_picture(corners, self._sight.top_mm)
+
+    def _explain_dark(self, black: Pixels, white: Pixels, blocks: Sequence[FoundBlock]) -> None:
+        """Report what hides the lit screen and is no block found."""
+        red, green, blue = cv2.split(cv2.subtract(white, black))
+        levels = np.asarray(cv2.max(cv2.max(red, green), blue))
+        looked_at = self._area.mask > 0
+        screen_level = float(np.percentile(levels[looked_at][::7], 80.0))
+        if screen_level < _LEAST_SCREEN_LEVEL:
+            raise VisionError(
+                "the screen is off or shows the same in both pictures: white minus black is "
+                f"{screen_level:.0f} grey levels, a lit screen gives at least "
+                f"{_LEAST_SCREEN_LEVEL:.0f}; switch the screen on, show white for the first "
+                "picture and black for the second"
+            )
+        dark = np.where((levels < _LIT_SHARE * screen_level) & looked_at, 255, 0).astype(np.uint8)
+        for block in blocks:
+            middle = block.outline_px.mean(axis=0)
+            grown = middle + (block.outline_px - middle) * 1.12
+            line = np.rint(((grown + 0.5) / PITCH_PX - 0.5) * 16.0).astype(np.int32)
+            cv2.fillPoly(dark, [line], 0, cv2.LINE_8, 4)
+        dark = np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8)))
+        least = min(kind.area_mm2 for kind in self._sight.kinds) / (
+            self._mm_per_px() * PITCH_PX
+        ) ** 2
+        known = [thing.outline_px.mean(axis=0) for thing in self._unknown]
+        contours, _ = cv2.findContours(dark, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+        for contour in contours:
+            if cv2.contourArea(contour) < _LEAST_UNKNOWN_SHARE * least:
+                continue
+            outline = (np.asarray(contour, np.float64).reshape(-1, 2) + 0.5) * PITCH_PX - 0.5
+            middle = outline.mean(axis=0)
+            if any(np.linalg.norm(middle - other) < 20.0 for other in known):
+                continue
+            self._add_unknown("hides the screen and is no block that could be told", outline)

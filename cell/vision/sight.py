@@ -1,0 +1,172 @@
+"""What a recogniser must know of the table before it looks: view, heights, sizes, screen.
+
+Everything comes from the profile; nothing here is counted in pixels of one camera.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.errors import VisionError
+from cell.geometry import CameraView, TableView
+from cell.profile import Profile
+
+Points = NDArray[np.float64]
+
+_SIDES_PER_CIRCLE = 24
+_HALF_LOCAL_MM = 40.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KindShape:
+    """The top face of one kind of block.
+
+    Attributes:
+        kind: Its name in the profile.
+        is_round: Whether it is a disc.
+        length_mm: Along its own x; the diameter of a disc.
+        width_mm: Along its own y.
+        height_mm: Height of the top face above the glass.
+    """
+
+    kind: str
+    is_round: bool
+    length_mm: float
+    width_mm: float
+    height_mm: float
+
+    @property
+    def area_mm2(self) -> float:
+        """Area of the top face."""
+        area = self.length_mm * self.width_mm
+        return area * math.pi / 4.0 if self.is_round else area
+
+    @property
+    def symmetry_deg(self) -> float:
+        """Turn after which it looks the same, 0 for every turn."""
+        if self.is_round:
+            return 0.0
+        return 90.0 if abs(self.length_mm - self.width_mm) < 0.5 else 180.0
+
+    @property
+    def outline_mm(self) -> Points:
+        """Corners about its middle, (n, 2), counter-clockwise seen from above."""
+        if self.is_round:
+            turn = 2.0 * np.pi * np.arange(_SIDES_PER_CIRCLE) / _SIDES_PER_CIRCLE
+            return self.length_mm / 2.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        x, y = self.length_mm / 2.0, self.width_mm / 2.0
+        return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableSight:
+    """How a fixed camera sees the playground.
+
+    Attributes:
+        view: Picture to robot and back.
+        surface_mm: Height of the glass.
+        kinds: The blocks' top faces.
+        panel_mm: Corners of the screen's picture in robot x, y, (4, 2) in turn.
+        pixel_mm: Pitch of the screen's pixels.
+        display_angle_deg: Direction of the screen picture's right, from robot x.
+    """
+
+    view: TableView
+    surface_mm: float
+    kinds: tuple[KindShape, ...]
+    panel_mm: tuple[tuple[float, float], ...]
+    pixel_mm: float
+    display_angle_deg: float
+
+    @staticmethod
+    def of_profile(profile: Profile, camera: str, view: TableView | None = None) -> TableSight:
+        """Return what the profile knows of a camera.
+
+        Args:
+            profile: The cell's profile.
+            camera: Name of the camera.
+            view: Its view, if it is known better than the profile has it.
+
+        Raises:
+            VisionError: There is no such camera, or nobody measured where its picture lies.
+        """
+        surface = profile.heights.surface_mm
+        if camera not in profile.cameras:
+            raise VisionError(f"the profile has no camera {camera!r}")
+        highest = max(block.height_mm for block in profile.blocks.values())
+        known = view or profile.cameras[camera].view(surface + highest)
+        if known is None:
+            raise VisionError(
+                f"camera {camera}: its picture is not mapped to the table; calibrate it first"
+            )
+        display = profile.display
+        turn = math.radians(display.angle_deg)
+        right = np.array([math.cos(turn), math.sin(turn)]) * display.width_px * display.pixel_mm
+        down = np.array([math.sin(turn), -math.cos(turn)]) * display.height_px * display.pixel_mm
+        corner = np.array([display.corner_x_mm, display.corner_y_mm])
+        panel = np.array([corner, corner + right, corner + right + down, corner + down])
+        return TableSight(
+            view=known,
+            surface_mm=surface,
+            kinds=tuple(
+                KindShape(
+                    kind=name,
+                    is_round=block.shape == "cylinder",
+                    length_mm=block.length_mm,
+                    width_mm=block.width_mm,
+                    height_mm=block.height_mm,
+                )
+                for name, block in profile.blocks.items()
+            ),
+            panel_mm=tuple((float(x), float(y)) for x, y in panel),
+            pixel_mm=display.pixel_mm,
+            display_angle_deg=display.angle_deg,
+        )
+
+    @property
+    def top_mm(self) -> float:
+        """Height of the block tops above the base plane."""
+        return self.surface_mm + self.kinds[0].height_mm
+
+    @property
+    def knows_heights(self) -> bool:
+        """Whether the view holds at any height, not at that of the block tops alone."""
+        return isinstance(self.view, CameraView)
+
+    def panel_px(self, beyond_mm: float = 0.0) -> Points:
+        """Return the screen's corners in the picture, (4, 2), moved outwards by a width.
+
+        Without a view of all heights they are those of block tops that stand on them.
+        """
+        height = self.surface_mm if self.knows_heights else self.top_mm
+        panel = np.array(self.panel_mm)
+        along, across = panel[1] - panel[0], panel[3] - panel[0]
+        out = beyond_mm * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+        panel = panel + out[:, :1] * along / np.linalg.norm(along)
+        panel = panel + out[:, 1:] * across / np.linalg.norm(across)
+        return self.view.to_picture(panel, height)
+
+    def local_maps(self, middles_px: Points) -> Points:
+        """Return affine maps (n, 2, 3) from pixels to mm at the block tops around pixels (n, 2).
+
+        Over the length of a block the view differs from its slope by less than 0.1 mm.
+        """
+        at_mm = self.view.to_robot(middles_px, self.top_mm)
+        steps = _HALF_LOCAL_MM * np.array([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+        around = self.view.to_picture(at_mm[:, None] + steps, self.top_mm)
+        px_per_mm = np.stack(
+            [around[:, 0] - around[:, 1], around[:, 2] - around[:, 3]], axis=2
+        ) / (2.0 * _HALF_LOCAL_MM)
+        mm_per_px = np.linalg.inv(px_per_mm)
+        shift = at_mm - np.einsum("nij,nj->ni", mm_per_px, middles_px)
+        return np.concatenate([mm_per_px, shift[:, :, None]], axis=2)
+
+
+def turned(points: Points, angle_rad: float) -> Points:
+    """Return points (n, 2) turned about the origin."""
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
