@@ -1,7 +1,8 @@
 """Where a sheet lies, from the robot coordinates of some of its corners.
 
-A touched corner is off by the same amount in x and in y, so the fit is the rigid motion with
-the least sum of squares; its covariance comes from how exactly corners are touched.
+A touched corner is off as much in x as in y, so the rigid motion with the least sum of squares
+has a closed form (Umeyama 1991, in the plane); its covariance σ² (JᵀJ)⁻¹ comes from how exactly
+corners are touched.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.errors import FitFailed
-from calibration.least_squares import fit
 
 Points = NDArray[np.float64]
 
@@ -111,11 +111,7 @@ def placed(parameters: Points, plan_mm: Points) -> Points:
 
 def deviations_mm(covariance: Points, angle_deg: float, plan_mm: Points) -> Points:
     """Return the standard deviation (n,), x and y together, of points of the paper (n, 2)."""
-    parameters = np.array([0.0, 0.0, angle_deg])
-    offset = placed(parameters, plan_mm) * math.pi / 180.0
-    slopes = np.zeros((len(plan_mm), 2, 3))
-    slopes[:, 0, 0] = slopes[:, 1, 1] = 1.0
-    slopes[:, 0, 2], slopes[:, 1, 2] = -offset[:, 1], offset[:, 0]
+    slopes = _slopes(angle_deg, plan_mm)
     return np.asarray(np.sqrt(np.einsum("nik,kl,nil->n", slopes, covariance, slopes)))
 
 
@@ -127,13 +123,18 @@ def _fitted(plan: Points, points: Points, noise_mm: float) -> tuple[Points, Poin
     cross = float((flipped[:, 0] * seen[:, 1] - flipped[:, 1] * seen[:, 0]).sum())
     angle = math.degrees(math.atan2(cross, float((flipped * seen).sum())))
     corner = centre - placed(np.array([0.0, 0.0, angle]), centre_plan)
-    start = np.array([*corner, angle])
+    slopes = _slopes(angle, plan).reshape(-1, 3)
+    covariance = noise_mm**2 * np.linalg.inv(slopes.T @ slopes)
+    return np.array([*corner, angle]), np.asarray(covariance, np.float64)
 
-    def residuals(parameters: Points) -> Points:
-        return ((points - placed(parameters, plan)) / noise_mm).ravel()
 
-    result = fit(residuals, start, is_noise_known=True)
-    return result.parameters, result.covariance
+def _slopes(angle_deg: float, plan: Points) -> Points:
+    """Return derivatives (n, 2, 3) of robot x, y by corner x, corner y and angle in degrees."""
+    offset = placed(np.array([0.0, 0.0, angle_deg]), plan) * math.pi / 180.0
+    slopes = np.zeros((len(plan), 2, 3))
+    slopes[:, 0, 0] = slopes[:, 1, 1] = 1.0
+    slopes[:, 0, 2], slopes[:, 1, 2] = -offset[:, 1], offset[:, 0]
+    return slopes
 
 
 def distances_mm(points_mm: Sequence[Sequence[float]] | Points) -> Points:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,11 @@ class SheetPlace:
 
 
 def fit_place(
-    sightings: Sequence[Sighting], surface_mm: float, *, scale: float | None = 1.0
+    sightings: Sequence[Sighting],
+    surface_mm: float,
+    *,
+    scale: float | None = 1.0,
+    start: SheetPlace | None = None,
 ) -> SheetPlace:
     """Return where the sheet lies.
 
@@ -91,6 +95,7 @@ def fit_place(
         sightings: The markers seen, in one picture or several.
         surface_mm: Height of the sheet above the robot's base plane.
         scale: The print's scale; None fits it, too.
+        start: A place nearby, if one is known.
 
     Raises:
         SheetError: There is nothing to fit, or a view does not know the sheet's height.
@@ -98,15 +103,16 @@ def fit_place(
     if not sightings:
         raise SheetError("no marker of the sheet is in the pictures")
     try:
-        parameters = _start(sightings, surface_mm, scale)
+        looks = _by_view(sightings)
+        parameters = _start(looks, surface_mm, scale) if start is None else _known(start, scale)
         count = 4 if scale is None else 3
         for _ in range(_STEPS):
-            residuals, jacobian = _linear(sightings, surface_mm, parameters, count)
+            residuals, jacobian = _linear(looks, surface_mm, parameters, count)
             step = np.linalg.lstsq(jacobian, residuals, rcond=None)[0]
             parameters[:count] += step
             if np.abs(step).max() < _DONE:
                 break
-        residuals, jacobian = _linear(sightings, surface_mm, parameters, count)
+        residuals, jacobian = _linear(looks, surface_mm, parameters, count)
     except ValueError as error:
         raise SheetError(
             f"the camera's calibration does not tell where the sheet is: {error}"
@@ -148,6 +154,25 @@ def _slopes(parameters: Points, plan: Points) -> Points:
     slopes[..., 0, 2], slopes[..., 1, 2] = -offset[..., 1], offset[..., 0]
     slopes[..., :, 3] = offset / parameters[3]
     return slopes
+
+
+def _known(start: SheetPlace, scale: float | None) -> Points:
+    return np.array([*start.corner_mm, math.radians(start.angle_deg), scale or start.scale])
+
+
+def _by_view(sightings: Sequence[Sighting]) -> tuple[Sighting, ...]:
+    """Return the sightings with all corners of one view together, which maps them at once."""
+    together: dict[int, list[Sighting]] = {}
+    for one in sightings:
+        together.setdefault(id(one.view), []).append(one)
+    return tuple(
+        replace(
+            those[0],
+            plan_mm=np.concatenate([one.plan_mm for one in those]),
+            pixels=np.concatenate([one.pixels for one in those]),
+        )
+        for those in together.values()
+    )
 
 
 def _start(sightings: Sequence[Sighting], surface_mm: float, scale: float | None) -> Points:

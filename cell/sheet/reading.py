@@ -244,7 +244,7 @@ def _judged(
     others = [other for other in sightings if other.index != one.index]
     held_out = None
     if len({other.index for other in others}) >= 2:
-        without = fit_place(others, surface_mm, scale=place.scale)
+        without = fit_place(others, surface_mm, scale=place.scale, start=place)
         held_out = _rms(miss_mm(without, one, surface_mm))
     return MarkerReading(
         index=one.index,
