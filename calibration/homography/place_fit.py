@@ -146,6 +146,28 @@ def fit_place(
     )
 
 
+def place_parameters(
+    fit: PlaceFit,
+) -> tuple[tuple[str, ...], tuple[str, ...], Points, Matrix]:
+    """Return names, units, values and covariance (6, 6) of a place: position and A, B, C."""
+    values = _pose_values(fit.view)
+    columns = []
+    for index in range(PARAMETERS):
+        change = _Change(fit.view, index)
+        moved = _pose_values(change(1.0)) - _pose_values(change(-1.0))
+        moved[3:] = (moved[3:] + 180.0) % 360.0 - 180.0
+        columns.append(moved / (2.0 * _PLACE_STEPS[index]))
+    slope = np.stack(columns, axis=1)
+    covariance = slope @ fit.covariance[:PARAMETERS, :PARAMETERS] @ slope.T
+    names = ("x", "y", "z", "a", "b", "c")
+    return names, ("mm",) * 3 + ("deg",) * 3, values, np.asarray(covariance)
+
+
+def _pose_values(view: CameraView) -> Points:
+    pose = view.robot_from_camera.to_pose()
+    return np.array([pose.x_mm, pose.y_mm, pose.z_mm, pose.a_deg, pose.b_deg, pose.c_deg])
+
+
 def _start(lens: LensModel, pixels: Points, points_mm: Points, height_mm: float) -> CameraView:
     """Return the place that a homography of undistorted pixels tells (Zhang 2000, 3.1)."""
     directions = lens.to_directions(pixels)
