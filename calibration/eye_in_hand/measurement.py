@@ -33,7 +33,7 @@ from calibration.statistics import strong_correlations
 from calibration.verdict import Finding, Grade
 from cell.geometry.eye_in_hand import EyeInHand
 
-KIND = "eye_in_hand"
+KIND = "eye-in-hand"
 _GRIP_MM = 2.0
 """Larger misses of the gripper do not pick an IC reliably."""
 

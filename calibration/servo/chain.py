@@ -55,12 +55,15 @@ class MarkerChain:
         tool_y = -s5[:, None] * up - c5[:, None] * across
         frame = np.stack([tool_x, tool_y, hand], axis=2)
         position = tool + np.einsum("nij,nj->ni", frame, self._offset)
-        slopes = np.empty((len(q), 6, 5))
-        axes = (upright, across, across, across, hand)
-        pivots = (np.zeros_like(shoulder), shoulder, elbow, wrist, tool)
-        for index, (axis, pivot) in enumerate(zip(axes, pivots, strict=True)):
-            slopes[:, :3, index] = np.cross(axis, position - pivot)
-            slopes[:, 3:, index] = axis
+        slopes = np.zeros((len(q), 6, 5))
+        slopes[:, 0, 0], slopes[:, 1, 0], slopes[:, 5, 0] = -position[:, 1], position[:, 0], 1.0
+        for index, pivot in ((1, shoulder), (2, elbow), (3, wrist)):
+            x, y, z = (position - pivot).T
+            slopes[:, 0, index], slopes[:, 1, index] = c1 * z, s1 * z
+            slopes[:, 2, index] = -s1 * y - c1 * x
+            slopes[:, 3:, index] = across
+        slopes[:, :3, 4] = np.cross(hand, position - tool)
+        slopes[:, 3:, 4] = hand
         return position, frame @ self._rotation, slopes * (np.pi / 180.0)
 
 

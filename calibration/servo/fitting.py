@@ -38,6 +38,7 @@ _LEAST_KNOTS: Final = 3
 _MOST_KNOTS: Final = 9
 _LEAST_RISE: Final = 0.1
 _HELD: Final = 1e4
+_SETTLE: Final = 40
 SAG_NAMES: Final = ("shoulder", "elbow", "wrist", "hand_share")
 USUAL_SHARE: Final = 0.3
 """Of a hand of 100 g, 60 mm long, behind a forearm of 150 g; held where it is not seen."""
@@ -132,6 +133,7 @@ class ServoModel:
         self._used = np.tile(noise.used, len(sights))
         self._bends = self._bend_rows()
         self.count = int(self._ends[-1]) + 4
+        self._kept: tuple[Array, tuple[Array, Array, Array]] | None = None
 
     def start(self) -> Array:
         """Return maps that do as told, and a little sag."""
@@ -139,13 +141,9 @@ class ServoModel:
 
     def reached(self, p: Array) -> tuple[Array, Array]:
         """Return reached joints (n, 5) and their slopes (n, 5, p) by the parameters."""
-        rest = np.stack(
-            [b @ p[self._part(i)] for i, b in enumerate(self._bases)], axis=1
-        )
+        rest = np.stack([b @ p[self._part(i)] for i, b in enumerate(self._bases)], axis=1)
         sag = _sag_of(p)
-        joints = rest
-        for _ in range(12):
-            joints = rest + sag.turn_all(joints)
+        joints = _settled(rest, sag)
         slopes = np.zeros((len(joints), 5, p.size))
         for index, matrix in enumerate(self._bases):
             slopes[:, index, self._part(index)] = matrix
@@ -164,12 +162,11 @@ class ServoModel:
             give[:, row, 1:3] = (factor * (by_forearm + sag.hand_share * by_hand))[:, None]
             give[:, row, 3] = factor * sag.hand_share * by_hand
         give[:, 3, 1:4] = (sag.wrist_deg * by_hand)[:, None]
-        return joints, np.linalg.solve(np.eye(5) - give, slopes)
+        return joints, np.linalg.inv(np.eye(5) - give) @ slopes
 
     def six(self, p: Array) -> Array:
         """Return predicted less seen of each sight, (n, 6): mm and radians."""
-        joints, _ = self.reached(p)
-        position, rotation, _ = self.chain.places(joints)
+        position, rotation, _ = self._at(p)
         return np.concatenate(
             [position - self._seen, turn_between(rotation, self._seen_turn)], axis=1
         )
@@ -182,19 +179,22 @@ class ServoModel:
 
     def slopes(self, p: Array) -> Array:
         """Return the Jacobian of `residuals`."""
-        joints, by_parameters = self.reached(p)
-        _, _, by_joints = self.chain.places(joints)
-        six = by_joints @ by_parameters * self._units[:, None]
+        six = self._at(p)[2] * self._units[:, None]
         bends = np.zeros((len(self._bends), p.size))
         bends[:, : self._ends[-1]] = self._bends
         return np.concatenate([six.reshape(-1, p.size)[self._used], bends])
 
     def gripper_slopes(self, p: Array) -> Array:
         """Return how the parameters move the marker's place, (n, 3, p) in mm."""
-        joints, by_parameters = self.reached(p)
-        _, _, by_joints = self.chain.places(joints)
-        moved: Array = by_joints[:, :3] @ by_parameters
-        return moved
+        return self._at(p)[2][:, :3]
+
+    def _at(self, p: Array) -> tuple[Array, Array, Array]:
+        """Return places, rotations and the six figures' slopes by the parameters, kept for p."""
+        if self._kept is None or not np.array_equal(self._kept[0], p):
+            joints, by_parameters = self.reached(p)
+            position, rotation, by_joints = self.chain.places(joints)
+            self._kept = (p.copy(), (position, rotation, by_joints @ by_parameters))
+        return self._kept[1]
 
     @property
     def bends(self) -> int:
@@ -208,15 +208,15 @@ class ServoModel:
             rise = np.diff(p[self._part(joint)])
             missing = _LEAST_RISE * np.diff(knots) - rise
             first = int(self._ends[joint])
-            found += [(joint, first + int(i), float(missing[i])) for i in np.nonzero(missing > 1e-6)[0]]
+            found += [
+                (joint, first + int(i), float(missing[i])) for i in np.nonzero(missing > 1e-6)[0]
+            ]
         return found
 
     def correction(self, p: Array) -> ArmCorrection:
         """Return the parameters as a value of the cell."""
         maps = [
-            ServoMap(
-                tuple(zip(knots.tolist(), p[self._part(i)].tolist(), strict=True)), JOINTS[i]
-            )
+            ServoMap(tuple(zip(knots.tolist(), p[self._part(i)].tolist(), strict=True)), JOINTS[i])
             for i, knots in enumerate(self.knots)
         ]
         a, b, c, d, e = maps
@@ -369,14 +369,33 @@ def _least(
             held[row, index], held[row, index + 1] = -_HELD, _HELD
         return np.concatenate([matrix, held])[:, free]
 
-    return fit(residuals, start[free], jacobian=slopes, is_noise_known=True, tolerance=1e-9)
+    return fit(residuals, start[free], jacobian=slopes, is_noise_known=True, tolerance=1e-7)
+
+
+def _settled(rest: Array, sag: SagModel) -> Array:
+    """Return where joints (n, 5) come to rest under weight."""
+    joints = rest.copy()
+    _, q2, q3, q4, _ = rest.T
+    a, b, c = q2, q3, q4
+    for _ in range(_SETTLE):
+        forearm = np.cos(np.radians(a + b))
+        hand = np.cos(np.radians(a + b + c))
+        beyond = forearm + sag.hand_share * hand
+        before = a
+        a, b, c = (
+            q2 + sag.shoulder_deg * beyond,
+            q3 + sag.elbow_deg * beyond,
+            q4 + sag.wrist_deg * hand,
+        )
+        if np.abs(a - before).max() < 1e-9:
+            break
+    joints[:, 1], joints[:, 2], joints[:, 3] = a, b, c
+    return joints
 
 
 def _sag_of(p: Array) -> SagModel:
     shoulder, elbow, wrist, share = (float(value) for value in p[-4:])
-    return SagModel(
-        shoulder_deg=shoulder, elbow_deg=elbow, wrist_deg=wrist, hand_share=share
-    )
+    return SagModel(shoulder_deg=shoulder, elbow_deg=elbow, wrist_deg=wrist, hand_share=share)
 
 
 def _knots(commanded: Array, joint: int) -> Array:

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.errors import CellError, ProfileError
+from cell.profile.lynx import LynxCorrectionProfile
 
 Array = NDArray[np.float64]
 Five = tuple[float, float, float, float, float]
@@ -200,6 +201,23 @@ class ArmCorrection:
 
     maps: tuple[ServoMap, ServoMap, ServoMap, ServoMap, ServoMap]
     sag: SagModel = SagModel()
+
+    @staticmethod
+    def from_profile(profile: LynxCorrectionProfile) -> ArmCorrection:
+        """Return the correction that a profile describes."""
+        a, b, c, d, e = (
+            ServoMap(knots, f"J{number}") for number, knots in enumerate(profile.maps_deg, 1)
+        )
+        sag = profile.sag
+        return ArmCorrection(
+            maps=(a, b, c, d, e),
+            sag=SagModel(
+                shoulder_deg=sag.shoulder_deg,
+                elbow_deg=sag.elbow_deg,
+                wrist_deg=sag.wrist_deg,
+                hand_share=sag.hand_share,
+            ),
+        )
 
     def reached(self, commanded_deg: Sequence[float]) -> Five:
         """Return where the arm stands after a command.

@@ -60,6 +60,44 @@ class ServoProfile(Table):
         return self
 
 
+class LynxSagProfile(Table):
+    """How far the leaning joints give way to weight, in degrees at full reach."""
+
+    shoulder_deg: float = 0.0
+    """Turn of J2 with the forearm level and no weight in the hand."""
+    elbow_deg: float = 0.0
+    """Turn of J3 at the same."""
+    wrist_deg: float = 0.0
+    """Turn of J4 with the hand level."""
+    hand_share: float = 0.0
+    """Moment of the hand about the wrist over that of forearm and hand about the elbow."""
+
+
+class LynxCorrectionProfile(Table):
+    """Where the arm really goes: measured maps of J1 to J5, and sag."""
+
+    maps_deg: tuple[
+        tuple[tuple[float, float], ...],
+        tuple[tuple[float, float], ...],
+        tuple[tuple[float, float], ...],
+        tuple[tuple[float, float], ...],
+        tuple[tuple[float, float], ...],
+    ]
+    """Pairs of commanded and reached angle of each joint, both growing."""
+    sag: LynxSagProfile = LynxSagProfile()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        for number, knots in enumerate(self.maps_deg, 1):
+            steps = zip(knots, knots[1:], strict=False)
+            if len(knots) < 2 or any(b[0] <= a[0] or b[1] <= a[1] for a, b in steps):
+                raise ValueError(
+                    f"the map of J{number} needs two pairs or more, commanded and reached "
+                    "angles both growing"
+                )
+        return self
+
+
 class LynxFingersProfile(Table):
     """The fingers on the sixth servo; nothing measures where they are or what they hold."""
 
@@ -87,6 +125,8 @@ class LynxProfile(Table):
     servos: tuple[ServoProfile, ServoProfile, ServoProfile, ServoProfile, ServoProfile]
     """The servos of J1 to J5."""
     fingers: LynxFingersProfile
+    correction: LynxCorrectionProfile | None = None
+    """Where the arm really goes when it is told to, if that was measured."""
     joint_min_deg: Five
     joint_max_deg: Five
     joint_speed_deg_s: Five
