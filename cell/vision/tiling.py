@@ -25,7 +25,8 @@ Mask = NDArray[np.uint8]
 
 _SIDE_SLACK_MM = 3.0
 _FILL_SLACK = 0.11
-_LEAST_INSIDE = 0.93
+_LEAST_ROUGH_INSIDE = 0.84
+_LEAST_INSIDE = 0.92
 _MOST_LEFT_SHARE = 0.10
 _GOOD_SHARE = 0.035
 _FACE_COST_MM2 = 20.0
@@ -252,7 +253,7 @@ class _Search:
         inner, rim = _samples(shape)
         inside = _looked_up(region, turned(inner, angle_rad) + middle) > 0
         share = float(inside.mean())
-        if share < _LEAST_INSIDE:
+        if share < _LEAST_ROUGH_INSIDE:
             return
         near = _looked_up(to_rim, turned(rim, angle_rad) + middle) < _CORNER_SLACK_MM
         outline = float(near.mean())
