@@ -15,7 +15,7 @@ import json
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Final
 
@@ -47,10 +47,19 @@ def request_digest(request: Request) -> str:
 
 
 def _plain(value: object) -> object:
+    """Return a value in one fixed form; numbers that are equal come out equal."""
     if isinstance(value, Picture):
         return value.digest
     if isinstance(value, np.ndarray):
         return hashlib.sha256(repr(value.shape).encode() + value.tobytes()).hexdigest()
+    if isinstance(value, bool | str) or value is None:
+        return value
+    if isinstance(value, int | float | np.number):
+        return float(value)
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     return repr(value)
 
 
