@@ -66,6 +66,13 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         check="calibration.store_place.checking:check_store_place",
         summary="where the store's sheet lies, by touched or typed corners or a camera",
     ),
+    Entry(
+        name="recognition",
+        kind="recognition",
+        target="calibration.recognition.procedure:learn_recognition",
+        check="calibration.recognition.procedure:check_recognition",
+        summary="colours and sizes of the blocks, learned from the store's own, laid out",
+    ),
 )
 """In the order in which a new cell is calibrated."""
 

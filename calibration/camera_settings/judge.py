@@ -81,7 +81,8 @@ def scene_findings(
         pixels: The picture.
         is_whole_picture: Whether the target is one of the whole scene, not of a grey area.
     """
-    if contrast(pixels) < _LEAST_CONTRAST and is_whole_picture:
+    is_even = contrast(pixels) < _LEAST_CONTRAST
+    if is_even and is_whole_picture and match.clipped_share < 0.5:
         yield Finding(
             code="lens-cap",
             grade=Grade.BAD,

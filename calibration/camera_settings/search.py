@@ -153,7 +153,7 @@ class _Learner:
 
 def _wanted(seen: Match) -> tuple[float, float, float]:
     """Return what the next picture's light shall change by, ln by channel."""
-    if seen.is_readable and seen.clipped_share <= _MOST_CLIPPED_SHARE:
+    if _is_exposed(seen):
         return seen.log_ratios
     if seen.clipped_share >= seen.dark_share and seen.clipped_share > 0.0:
         return (_DARKER,) * 3
@@ -162,15 +162,20 @@ def _wanted(seen: Match) -> tuple[float, float, float]:
     return seen.log_ratios
 
 
+def _is_exposed(seen: Match) -> bool:
+    """Return whether a picture tells what is missing."""
+    return seen.is_readable and seen.clipped_share <= _MOST_CLIPPED_SHARE
+
+
 def _is_settled(tries: list[Try]) -> bool:
     """Return whether nothing more is to be gained."""
     last = tries[-1].match
-    is_readable = last.usable > 0 and last.clipped_share <= _MOST_CLIPPED_SHARE
-    if is_readable and max(abs(log) for log in last.log_ratios) < _LEAST_LOG_STEP:
-        return True
-    if is_readable and last.fit_error <= DONE_ERROR / 2.0:
-        return True
-    costs = [_cost(one) for one in tries]
+    if _is_exposed(last):
+        if max(abs(log) for log in last.log_ratios) < _LEAST_LOG_STEP:
+            return True
+        if last.fit_error <= DONE_ERROR / 2.0:
+            return True
+    costs = [_cost(one) for one in tries if _is_exposed(one.match)]
     recent = costs[-_PATIENCE:]
     return len(costs) > _PATIENCE and min(costs[:-_PATIENCE]) <= min(recent)
 
