@@ -213,16 +213,17 @@ class ColourModel:
         return table
 
 
-_LABEL_BITS = 6
+_LABEL_BITS = 5
 
 
-def label_index(picture: NDArray[np.uint8]) -> NDArray[np.int32]:
+def label_index(picture: NDArray[np.uint8]) -> NDArray[np.uint16]:
     """Return the index of each pixel into `ColourModel.label_table`, shape (h, w)."""
-    shift = 8 - _LABEL_BITS
-    parts = (picture >> shift).astype(np.int32)
-    return np.asarray(
-        (parts[..., 0] << 2 * _LABEL_BITS) | (parts[..., 1] << _LABEL_BITS) | parts[..., 2]
-    )
+    red, green, blue = (channel.astype(np.uint16) for channel in cv2.split(picture >> 3))
+    red <<= 2 * _LABEL_BITS
+    green <<= _LABEL_BITS
+    red |= green
+    red |= blue
+    return red
 
 
 def normalised(rgb: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -22,21 +22,22 @@ from cell.vision.sight import KindShape
 
 Points = NDArray[np.float64]
 
-_REACH_MM = 3.0
-_STEP_MM = 0.3
-_SAMPLES_PER_SIDE = 12
-_DISC_SAMPLES = 40
+_REACH_MM = 2.8
+_STEP_MM = 0.4
+_SAMPLES_PER_SIDE = 9
+_DISC_SAMPLES = 36
 _CORNER_SHARE = 0.1
 _LEAST_CONTRAST = 9.0
 _NOISE_FACTOR = 3.5
-_PLATEAU_STEPS = 4
+_PLATEAU_STEPS = 3
 _PULL_MM = 0.35
 _INSET_MM = 0.25
 _INSET_DEVIATION_MM = 0.35
 _SAMPLE_DEVIATION_MM = 0.15
+_TURN_DEVIATION_MM = 0.13
 _ROUNDS = 2
 _SUPPORT_MM = 0.9
-_INNER = 7
+_INNER = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,6 +150,8 @@ class _Batch:
             x, y, angle, inset = state[k].tolist()
             # Neighbouring samples share the lens's blur and the raster: far fewer are free.
             scale = max(residual[k], _SAMPLE_DEVIATION_MM) * 2.0
+            # What shifts a whole side alike does not turn it.
+            turn_scale = max(residual[k], _TURN_DEVIATION_MM)
             place = covariance[k, :2, :2] * scale**2
             red, green, blue = mean[k].tolist()
             results.append(
@@ -167,7 +170,7 @@ class _Batch:
                     deviation_mm=math.sqrt(float(np.linalg.eigvalsh(place)[-1])),
                     deviation_rad=0.0
                     if self._is_round
-                    else math.sqrt(float(covariance[k, 2, 2])) * scale,
+                    else math.sqrt(float(covariance[k, 2, 2])) * turn_scale,
                 )
             )
         return results
@@ -279,7 +282,7 @@ def _edge_points(shape: KindShape) -> tuple[Points, Points]:
 
 
 def _inner_points(shape: KindShape) -> Points:
-    """Return points inside a face, away from its edge, (49, 2)."""
+    """Return points inside a face, away from its edge, (36, 2)."""
     share = np.linspace(-0.8, 0.8, _INNER)
     x, y = np.meshgrid(share, share)
     if shape.is_round:

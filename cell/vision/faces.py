@@ -26,7 +26,7 @@ _FLAT_LEVELS = 10.0
 _GROW_LEVELS = 4.0
 _GROW_SHARE = 0.06
 _LEAST_SEED_SHARE = 0.12
-_MOST_FACES = 14.0
+_MOST_FACES = 16.0
 _REFUSED = 4
 
 
@@ -108,7 +108,7 @@ def _grown(
     area, _, _, (x, y, wide, tall) = cv2.floodFill(field, taken, seed, 0, slack, slack, flags)
     part = taken[y + 1 : y + 1 + tall, x + 1 : x + 1 + wide]
     is_own = part == 2
-    if not 0.6 * least_px <= area <= _MOST_FACES * 4.0 * least_px:
+    if not 0.6 * least_px <= area <= _MOST_FACES * least_px:
         part[is_own] = _REFUSED
         return
     mask = np.zeros((tall + 2, wide + 2), np.uint8)

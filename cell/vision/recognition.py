@@ -25,7 +25,7 @@ from cell.vision.face_fit import FittedFace, Start, fit_faces
 from cell.vision.faces import PITCH_PX, Face, faces, halved
 from cell.vision.sight import TableSight, turned
 from cell.vision.tables import fold_deg
-from cell.vision.tiling import Placement, single_face, tile
+from cell.vision.tiling import Placement, may_be_blocks, single_faces, tile
 from cell.vision.visible_area import VisibleArea, visible_area
 
 Pixels = NDArray[np.uint8]
@@ -260,12 +260,16 @@ class _Look:
             ]
 
         grown = _OUTLINE_LOSS_PX * scale
-        one = single_face(outline, grown, self._sight.kinds)
-        if one is not None:
-            return [one]
-        several = tile(outline, grown, self._sight.kinds, refine)
-        if several is not None:
-            return several
+        kinds = self._sight.kinds
+        single = single_faces(outline, grown, kinds)
+        if len(single) == 1:
+            return single
+        if single:
+            return [max(refine(single), key=lambda pair: pair[1])[0]]
+        if may_be_blocks(outline, kinds):
+            several = tile(outline, grown, kinds, refine)
+            if several is not None:
+                return several
         if face.touches_edge:
             self._report("cut by the edge of the picture, the screen or what hides it", face)
         return []

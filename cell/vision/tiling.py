@@ -34,6 +34,7 @@ _LEAST_RIM = 0.3
 _LEAST_DISC_RIM = 0.62
 _STRAIGHT_MM = 9.0
 _BEND_MM = 1.7
+_ROUGHNESS = 1.5
 _CORNER_SLACK_MM = 2.2
 _GRID_MM = 2.5
 _INNER_MM = 1.2
@@ -68,10 +69,10 @@ Refine = Callable[[Sequence[Placement]], Sequence[tuple[Placement, float]]]
 """Lays faces, in the outline's frame, exactly on their edges: each with its edge support."""
 
 
-def single_face(
+def single_faces(
     outline_mm: Points, grown_mm: float, kinds: Sequence[KindShape]
-) -> Placement | None:
-    """Return the one face that an outline is of, None when it is of no one.
+) -> list[Placement]:
+    """Return the faces that an outline may be of when it is of one, the likeliest first.
 
     Args:
         outline_mm: The outline at the block tops, (n, 2).
@@ -85,17 +86,26 @@ def single_face(
     area = cv2.contourArea(points) + grown_mm * perimeter
     long, short = max(first, second), min(first, second)
     turn = math.radians(angle if first >= second else angle + 90.0)
-    best: Placement | None = None
+    found = []
     for shape in kinds:
         off = max(abs(long - shape.length_mm), abs(short - shape.width_mm))
-        if off > _SIDE_SLACK_MM:
-            continue
-        fill = area / (long * short)
-        expected = math.pi / 4.0 if shape.is_round else 1.0
-        fit = 1.0 - abs(fill - expected) / 0.7 - 0.03 * off
-        if abs(fill - expected) < _FILL_SLACK and (best is None or fit > best.fit):
-            best = Placement(shape=shape, x_mm=x, y_mm=y, angle_rad=turn, fit=fit)
-    return best
+        miss = abs(area / (long * short) - (math.pi / 4.0 if shape.is_round else 1.0))
+        if off < _SIDE_SLACK_MM and miss < _FILL_SLACK:
+            fit = 1.0 - miss - 0.03 * off
+            found.append(Placement(shape=shape, x_mm=x, y_mm=y, angle_rad=turn, fit=fit))
+    return sorted(found, key=lambda one: -one.fit)
+
+
+def may_be_blocks(outline_mm: Points, kinds: Sequence[KindShape]) -> bool:
+    """Return whether an outline is as smooth as that of blocks that touch can be.
+
+    However blocks are joined, the patch has no more outline for its area than the thinnest
+    of them alone.
+    """
+    points = outline_mm.astype(np.float32)
+    area = cv2.contourArea(points)
+    most = max(4.0 / min(kind.length_mm, kind.width_mm) for kind in kinds)
+    return bool(area > 0.0 and cv2.arcLength(points, True) < _ROUGHNESS * most * area)
 
 
 def tile(
