@@ -240,10 +240,12 @@ def _playground(name: str) -> Profile:
 
 def _layout(cell: Profile, script: str) -> SheetLayout:
     from cell.sheet import SheetError, lay_out
+    from cell.store import with_calibration_object
     from console.assembling import plan_of
 
+    plan = with_calibration_object(plan_of(script), cell.store)
     try:
-        return lay_out(plan_of(script).slots, cell.blocks)
+        return lay_out(plan.slots, cell.blocks)
     except SheetError as error:
         raise ConsoleError(str(error), Exit.FAILED) from error
 

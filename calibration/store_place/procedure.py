@@ -27,7 +27,7 @@ from cell.geometry import CameraView
 from cell.profile import Profile
 from cell.sheet import SheetLayout, lay_out
 from cell.sheet.reading import Look
-from cell.store import StorePlan
+from cell.store import StorePlan, with_calibration_object
 
 __all__ = ["KIND", "store_place"]
 
@@ -49,6 +49,7 @@ def store_place(site: Site) -> Procedure:
     profile, plan = site.profile, site.plan
     if not isinstance(profile, Profile) or plan is None or not plan.slots:
         raise CalibrationError(f"the cell {site.profile.name} has no store whose place to measure")
+    plan = with_calibration_object(plan, profile.store)
     layout = lay_out(plan.slots, profile.blocks)
     cameras = tuple(
         name

@@ -23,6 +23,8 @@ EDGE_MM = 1.5
 """White between the outermost block and the sheet's edge: the sheet ends at the screen."""
 LEAST_SIZE_MM = (300, 180)
 """Smallest sheet, so that title, rulers and markers have room on a small plan."""
+LARGEST_MM = 2000
+"""Longest side of a sheet; no arm of these cells reaches across a longer one."""
 LABEL_MM = 3.6
 RULER_MM = 100.0
 
@@ -106,17 +108,18 @@ def lay_out(slots: Sequence[StoreSlot], blocks: Mapping[str, BlockProfile]) -> S
     outlines = [one.outline for one in printed]
     right = max((o.x_mm + o.width_mm for o in outlines), default=0.0) + EDGE_MM
     low = max((o.y_mm + o.height_mm for o in outlines), default=0.0) + EDGE_MM
-    wide = max(math.ceil(right - 1e-9), LEAST_SIZE_MM[0])
-    tall = max(math.ceil(low - 1e-9), LEAST_SIZE_MM[1])
+    wide = min(max(math.ceil(right - 1e-9), LEAST_SIZE_MM[0]), LARGEST_MM)
+    tall = min(max(math.ceil(low - 1e-9), LEAST_SIZE_MM[1]), LARGEST_MM)
     room = Room(wide, tall)
     for one in printed:
         room.take(_grown(one.outline, _CLEAR_MM))
         room.take(label_area(one))
     _take_edge(room, wide, tall)
     missing = [
-        f"slot {one.slot.number} lies over the sheet's edge; move it away from the plan's corner"
+        f"slot {one.slot.number} at ({one.slot.x_mm:g}, {one.slot.y_mm:g}) lies over the sheet's "
+        f"edge; a sheet goes from 0 to {LARGEST_MM} mm at most"
         for one in printed
-        if one.outline.x_mm < 0 or one.outline.y_mm < 0
+        if not _is_on(one.outline, wide, tall)
     ]
     title = _placed(room, _TITLE_MM, (14, 2)) or _placed(room, _SMALL_TITLE_MM, (14, 2))
     ruler_x = _placed(room, _RULER_BOX_MM, (wide - _RULER_BOX_MM[0] - 2, 2))
@@ -167,6 +170,11 @@ def _printed(slot: StoreSlot, blocks: Mapping[str, BlockProfile]) -> PrintedSlot
             f"blocks.{slot.kind} to the profile (it has {', '.join(sorted(blocks))})"
         )
     return PrintedSlot(slot=slot, size=size, label=f"{slot.number} {slot.kind} {slot.colour}")
+
+
+def _is_on(area: Area, wide: int, tall: int) -> bool:
+    right, low = area.x_mm + area.width_mm, area.y_mm + area.height_mm
+    return area.x_mm >= 0 and area.y_mm >= 0 and right <= wide and low <= tall
 
 
 def _grown(area: Area, by_mm: float) -> Area:

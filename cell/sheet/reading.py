@@ -24,6 +24,8 @@ _SIGMAS = 4.0
 _MOVED_MM = 1.0
 _UNEVEN_MM = 2.0
 _FAULTY_PX = 2.0
+_MANY = 4
+"""As many markers of another plan are no chance finds."""
 _RULER_RANGE = (0.5, 2.0)
 
 Weight = Literal["note", "warning", "failure"]
@@ -111,6 +113,13 @@ class SheetReading:
         return bool(self.seen) and all(f.weight != "failure" for f in self.findings)
 
 
+_MIRRORED = SheetFinding(
+    code="mirrored",
+    weight="failure",
+    text="the sheet is seen mirrored: it is printed mirrored, lies upside down and shines "
+    "through, or the picture is flipped",
+    hint="switch mirroring off in the printer and in the camera, and print it again",
+)
 _NO_VIEW = SheetFinding(
     code="no-view",
     weight="warning",
@@ -265,7 +274,12 @@ def _identity_findings(
     own = {one.marker_id for one in layout.fiducials}
     seen = {one.marker_id for of_one in found for one in of_one}
     foreign = sorted(seen - own)
-    if len(foreign) >= 2 or (foreign and not seen & own):
+    if not seen & own:
+        # A mirrored marker is often some other one of the dictionary, so this comes first.
+        mirrored = {number for look in looks for number in find_mirrored(look.pixels)}
+        if len(mirrored & own) >= 2:
+            return [_MIRRORED]
+    if len(foreign) >= max(2, min(len(seen & own) + 1, _MANY)):
         indices = ", ".join(str(index_of(number)) for number in foreign)
         where = "too" if seen & own else "in its place"
         return [
@@ -279,17 +293,6 @@ def _identity_findings(
         ]
     if seen & own:
         return []
-    mirrored = {number for look in looks for number in find_mirrored(look.pixels)}
-    if len(mirrored & own) >= 2:
-        return [
-            SheetFinding(
-                code="mirrored",
-                weight="failure",
-                text="the sheet is seen mirrored: it is printed mirrored, lies upside down and "
-                "shines through, or the picture is flipped",
-                hint="switch mirroring off in the printer and in the camera, and print it again",
-            )
-        ]
     return [
         SheetFinding(
             code="not-found",

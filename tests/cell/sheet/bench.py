@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cell.geometry import CameraView, LensModel, Transform
 from cell.profile import Profile, StoreProfile, load_profile
 from cell.sheet import SheetLayout, draw_sheet, raster
-from cell.store import StoreSlot
+from cell.store import StorePlan, StoreSlot, with_calibration_object
 
 PROFILE: Profile = load_profile("mash")
 SURFACE_MM = PROFILE.heights.surface_mm
@@ -42,7 +42,8 @@ def _slots() -> tuple[StoreSlot, ...]:
     return tuple(found)
 
 
-MASH_SLOTS = _slots()
+MASH_SLOTS = with_calibration_object(StorePlan(_slots()), PROFILE.store).slots
+"""With the slot of the calibration cylinder, as the cell has it."""
 
 
 @lru_cache(maxsize=32)
@@ -118,5 +119,12 @@ def picture_of_sheet(
         cv2.INTER_LINEAR,
         borderValue=(_TABLE, _TABLE, _TABLE),
     )
-    grain = np.random.default_rng([seed, 0x5EE7]).normal(0.0, noise, light.shape)
-    return np.asarray(np.clip(np.rint(light + grain), 0, 255), np.uint8)
+    shift = np.random.default_rng([seed, 0x5EE7]).integers(0, 900, 2)
+    grain = np.roll(_grain(), tuple(int(one) for one in shift), axis=(0, 1))
+    return np.asarray(np.clip(np.rint(light + noise * grain), 0, 255), np.uint8)
+
+
+@lru_cache(maxsize=1)
+def _grain() -> NDArray[np.float32]:
+    """Return noise (960, 1280, 3) of standard deviation 1, which each picture shifts."""
+    return np.random.default_rng(17).standard_normal((960, 1280, 3), np.float32)
