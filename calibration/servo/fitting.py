@@ -44,6 +44,8 @@ USUAL_SHARE: Final = 0.3
 """Of a hand of 100 g, 60 mm long, behind a forearm of 150 g; held where it is not seen."""
 _SHARE_SEEN: Final = 0.3
 _SAG_SEEN_DEG: Final = 1.5
+_SAG_CHOICES: Final[tuple[tuple[int, ...], ...]] = ((), (3,), (2, 3), (0, 1, 2, 3))
+"""Which figures of sag to hold, in the order in which it is tried."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,7 +73,7 @@ class ServoFit:
     noise_factor: float
     flat: tuple[str, ...]
     fit: Fit
-    free: Array
+    free: NDArray[np.intp]
 
     @property
     def parameters(self) -> Array:
@@ -127,7 +129,7 @@ class ServoModel:
         self.knots = tuple(knots or (_knots(self.commanded[:, i], i) for i in range(5)))
         self._bases = [basis(k, self.commanded[:, i]) for i, k in enumerate(self.knots)]
         self._ends = np.cumsum([0, *(k.size for k in self.knots)])
-        self._seen = np.array([(s.seen.x_mm, s.seen.y_mm, s.seen.z_mm) for s in sights])
+        self.seen_mm = np.array([(s.seen.x_mm, s.seen.y_mm, s.seen.z_mm) for s in sights])
         self._seen_turn = rotations_of([sight.seen for sight in sights])
         self._units = noise.units
         self._used = np.tile(noise.used, len(sights))
@@ -168,7 +170,7 @@ class ServoModel:
         """Return predicted less seen of each sight, (n, 6): mm and radians."""
         position, rotation, _ = self._at(p)
         return np.concatenate(
-            [position - self._seen, turn_between(rotation, self._seen_turn)], axis=1
+            [position - self.seen_mm, turn_between(rotation, self._seen_turn)], axis=1
         )
 
     def residuals(self, p: Array) -> Array:
@@ -257,7 +259,7 @@ def fit_servos(
         FitFailed: A joint was commanded to fewer than three angles, or the sights are too few.
     """
     model = ServoModel(sights, geometry, mounts, noise or MarkerNoise(), knots)
-    held = _SAG_CHOICES[-1]
+    held: tuple[int, ...] = ()
     found: Fit | None = None
     for held in _SAG_CHOICES:
         found = _fitted(model, held)
@@ -292,10 +294,6 @@ def fit_servos(
         fit=replace(final, residuals=final.residuals, scale=scale),
         free=free,
     )
-
-
-_SAG_CHOICES: Final = ((), (3,), (2, 3), (0, 1, 2, 3))
-"""Which figures of sag to hold, in the order in which it is tried."""
 
 
 def _fitted(model: ServoModel, held: tuple[int, ...]) -> Fit | None:

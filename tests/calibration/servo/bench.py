@@ -63,9 +63,7 @@ class Camera:
         noise: How exactly it sees.
     """
 
-    def __init__(
-        self, truth: ArmCorrection, commanded: Array, noise: MarkerNoise = NOISE
-    ) -> None:
+    def __init__(self, truth: ArmCorrection, commanded: Array, noise: MarkerNoise = NOISE) -> None:
         self.commanded, self.noise = commanded, noise
         reached = truth.reached_all(commanded)
         self.reached = reached
