@@ -3,34 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
 
-from cell.devices.camera import Frame
+from cell.cleaning.cleaner import PictureCleaner
+from cell.cleaning.look import Eyes
+from cell.cleaning.pushes import PUSH_SPEED_MM_S
+from cell.cleaning.report import CleaningPlan, PictureCleaning
 from cell.errors import GripFailed, VisionError
 from cell.ledger import Ledger
 from cell.manipulation import Deployment, Manipulator, Progress, no_progress
 from cell.motion.guarded import GuardedArm
-from cell.picture_cleaning import PictureCleaning, bring_home, seeing_camera
 from cell.profile import Profile
 from cell.recovery.watch import FaultWatch
 from cell.store import StorePlan, TablePlace
-from cell.vision import find_blocks
-
-
-class Eyes(Protocol):
-    """What finding blocks by camera needs."""
-
-    def switch_lights(self, *, is_on: bool) -> None:
-        """Switch the lights."""
-
-    def shown(self) -> str:
-        """Return the name of the picture under the playground."""
-
-    def show(self, picture: str) -> None:
-        """Show a picture under the playground."""
-
-    def grab(self, camera: str) -> Frame:
-        """Return a picture of a camera."""
 
 
 class BlockWork:
@@ -62,6 +46,26 @@ class BlockWork:
         self._plan = plan
         self._eyes = eyes
         self._watch = FaultWatch(arm)
+        self._speed = (profile.arm.linear_speed_mm_s, profile.arm.joint_speed_percent)
+        self._cleaner = PictureCleaner(
+            profile,
+            manipulator=manipulator,
+            ledger=ledger,
+            plan=plan,
+            eyes=eyes,
+            stand_aside=self._stand_aside,
+            set_slow=lambda: arm.set_speed(PUSH_SPEED_MM_S, self._speed[1]),
+            set_back=lambda: arm.set_speed(*self._speed),
+        )
+
+    def set_speed(self, speed_mm_s: float, joint_percent: float) -> None:
+        """Set the speed of later moves; pushing is slower.
+
+        Raises:
+            MotionRefused: The speed is beyond the profile's limit.
+        """
+        self._arm.set_speed(speed_mm_s, joint_percent)
+        self._speed = (speed_mm_s, joint_percent)
 
     def lay_out(self, deployments: Sequence[Deployment], progress: Progress = no_progress) -> None:
         """Bring blocks from their slots to their places; whatever is out is cleaned first.
@@ -103,30 +107,26 @@ class BlockWork:
     def clean_from_picture(self, progress: Progress = no_progress) -> PictureCleaning:
         """Bring home every block that the top camera sees, wherever it was left.
 
-        The arm stands aside first; the screen shows white, then black.
+        The arm stands aside for every look; the screen shows white, then black. Blocks that
+        the fingers cannot grip are pushed apart.
 
         Raises:
             VisionError: No camera is mapped to the table, or screen or lights are off.
             DeviceError: A device fails.
         """
-        camera, plane_map = seeing_camera(self._profile)
-        self._stand_aside()
-        eyes = self._eyes
-        eyes.switch_lights(is_on=True)
-        eyes.show("white")
-        white = eyes.grab(camera).pixels
-        eyes.show("black")
-        black = eyes.grab(camera).pixels
-        cleaning = bring_home(
-            find_blocks(white, black),
-            plane_map,
-            self._manipulator,
-            self._ledger,
-            self._plan,
-            progress,
-        )
+        with self._watch.over("ledger"):
+            cleaning = self._cleaner.clean(progress)
         self._stand_aside()
         return cleaning
+
+    def plan_from_picture(self) -> CleaningPlan:
+        """Look as `clean_from_picture` does, and tell what it would do; no block is touched.
+
+        Raises:
+            VisionError: No camera is mapped to the table, or screen or lights are off.
+            DeviceError: A device fails.
+        """
+        return self._cleaner.preview()
 
     def deploy(self, slot: int, place: TablePlace) -> None:
         """Bring one block from its slot to a place."""

@@ -5,6 +5,7 @@ The cell says which block goes where and keeps its ledger as if it had done it i
 
 from __future__ import annotations
 
+from cell.cleaning.grips import Grip
 from cell.devices.gripper import Gripper, GripperState
 from cell.errors import DeviceError
 from cell.events import EventBus
@@ -40,6 +41,10 @@ class LaidOutByPeople(Manipulator):
             "manipulation",
             f"bring the {entry.colour} {entry.kind} of {entry.block} {where} by hand",
         )
+
+    def bring_home(self, slot: int, grip: Grip) -> None:
+        """Say which block to put back, and note it as done."""
+        self.transfer(slot, grip.place, None)
 
     def pick_up(self, place: TablePlace) -> int:
         """Refuse: nothing is gripped.

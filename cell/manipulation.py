@@ -11,10 +11,12 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from cell.cleaning.grips import Grip, beside
+from cell.cleaning.pushes import PUSH_OPENING_MM, Push
 from cell.devices.gripper import Gripper, GripperState
-from cell.errors import DeviceError, GripFailed, StoreError
-from cell.events import BlockGripped, BlockReleased, EventBus
-from cell.geometry import Pose
+from cell.errors import DeviceError, GripFailed, MotionRefused, StoreError, UnreachablePose
+from cell.events import BlockGripped, BlockReleased, EventBus, MotionRejected
+from cell.geometry import JointPositions, Pose
 from cell.ledger import Ledger, Transfer
 from cell.motion.guarded import GuardedArm
 from cell.profile import Profile
@@ -25,6 +27,8 @@ WIDTH_TOLERANCE_MM = 2.5
 
 NEAR_MM = 10.0
 """How far a place may be from where the ledger has a block to mean that block."""
+
+_BACK_MM = 3.0
 
 Progress = Callable[[str, int, int], None]
 """Told what is done now, how many of it are done, and how many there are."""
@@ -141,8 +145,11 @@ class Manipulator:
 
         Raises:
             GripFailed: It was not where it should be; the table is as before.
+            MotionRefused: The arm may not go to the target; nothing was touched.
         """
         entry = self._plan.slot(slot)
+        if target is not None:
+            self._require_way(source or self.slot_place(slot), target)
         self._ledger.plan(slot, source, target)
         try:
             self._grip(source or self.slot_place(slot), entry)
@@ -150,6 +157,121 @@ class Manipulator:
             self._abandon_untouched()
             raise
         self._put_down(entry, target)
+
+    def bring_home(self, slot: int, grip: Grip) -> None:
+        """Bring the block that a grip was chosen for to a slot.
+
+        A grip beside the block's middle is put down as far beside the slot's.
+
+        Raises:
+            GripFailed: It was not where it should be, or was lost on the way.
+            MotionRefused: The arm may not go there; the block is where it was.
+        """
+        entry = self._plan.slot(slot)
+        self._ledger.plan(slot, grip.place, None)
+        try:
+            self._grip(grip.tool_place, entry, grip.opening_mm)
+        except (GripFailed, MotionRefused, UnreachablePose):
+            self._abandon_untouched()
+            raise
+        self._put_down(entry, None, grip.along_mm)
+
+    def recover(self) -> list[int]:
+        """Close a transfer that a crash left open; return the slots whose blocks went home.
+
+        Raises:
+            ResumeRefused: Nothing may move yet.
+        """
+        return self._recover()
+
+    def push(self, push: Push, set_slow: Callable[[], None], set_back: Callable[[], None]) -> None:
+        """Push blocks along with closed fingers, low.
+
+        Args:
+            push: From where to where.
+            set_slow: Sets the speed of pushing; called when the fingers are down.
+            set_back: Sets the speed of other moves again.
+
+        Raises:
+            MotionRefused: The arm may not go there.
+        """
+        self._gripper.move_to(PUSH_OPENING_MM)
+        self._approach(push.start, holds_block=False)
+        set_slow()
+        try:
+            low = self._profile.heights.laying_mm
+            self._arm.move_linear(self._over(push.end, low))
+            self._arm.move_linear(self._over(_back(push), low))
+        finally:
+            set_back()
+        self._lift(_back(push), holds_block=False)
+        self._gripper.move_to(self._profile.gripper.open_mm)
+
+    def can_reach(self, place: TablePlace) -> bool:
+        """Return whether the guard lets the empty hand down to a place of the tool."""
+        try:
+            self._way_down(JointPositions(self._profile.arm.rest_deg), place, holds_block=False)
+        except (MotionRefused, UnreachablePose):
+            return False
+        return True
+
+    def can_push(self, start: TablePlace, end: TablePlace) -> bool:
+        """Return whether the guard lets the fingers go low from one place to another."""
+        arm = self._profile.arm
+        try:
+            rest = JointPositions(arm.rest_deg)
+            down = self._way_down(rest, start, holds_block=False)
+            self._arm.guard.check_linear(
+                down,
+                self._over(end, self._profile.heights.laying_mm),
+                posture=arm.posture,
+                speed_mm_s=arm.linear_speed_mm_s,
+            )
+        except (MotionRefused, UnreachablePose):
+            return False
+        return True
+
+    def _require_way(self, source: TablePlace, target: TablePlace) -> None:
+        """Have the guard pass the way to a target before anything is touched.
+
+        Raises:
+            MotionRefused: The arm may not go there.
+            UnreachablePose: It cannot.
+        """
+        arm = self._profile.arm
+        try:
+            over_source = self._arm.guard.check_pose_joint(
+                JointPositions(arm.rest_deg),
+                self._over(source, self._profile.heights.service_mm),
+                posture=arm.posture,
+                percent=arm.joint_speed_percent,
+                holds_block=True,
+            )
+            self._way_down(over_source.end, target, holds_block=True)
+        except (MotionRefused, UnreachablePose) as refusal:
+            self._events.emit(MotionRejected(str(refusal)))
+            raise
+
+    def _way_down(
+        self, start: JointPositions, place: TablePlace, *, holds_block: bool
+    ) -> JointPositions:
+        """Have the guard check the way over a place and down; return the joints there."""
+        arm, heights = self._profile.arm, self._profile.heights
+        over = self._arm.guard.check_pose_joint(
+            start,
+            self._over(place, heights.service_mm),
+            posture=arm.posture,
+            percent=arm.joint_speed_percent,
+            holds_block=holds_block,
+        )
+        down = self._arm.guard.check_linear(
+            over.end,
+            self._over(place, heights.laying_mm),
+            posture=arm.posture,
+            speed_mm_s=arm.linear_speed_mm_s,
+            holds_block=holds_block,
+        )
+        return down.end
 
     def _abandon_untouched(self) -> None:
         """Close a transfer whose block was never gripped; a lost one has no transfer any more."""
@@ -227,22 +349,28 @@ class Manipulator:
             self._ledger.released(number, None)
         return found
 
-    def _grip(self, place: TablePlace, entry: StoreSlot) -> None:
+    def _grip(self, place: TablePlace, entry: StoreSlot, opening_mm: float | None = None) -> None:
         """Grip the block that lies at a place and lift it to the service height.
+
+        Args:
+            place: Where the middle between the fingers goes.
+            entry: The block's slot.
+            opening_mm: How far open the fingers come down, None for the profile's opening.
 
         Raises:
             GripFailed: The fingers closed on nothing, or on something of another width, or
                 lost the block while it was lifted.
         """
         kind, name = entry.kind, entry.block
+        opening_mm = self._profile.gripper.open_mm if opening_mm is None else opening_mm
         self._may_have_closed = False
-        self._gripper.move_to(self._profile.gripper.open_mm)
+        self._gripper.move_to(opening_mm)
         self._approach(place, holds_block=False)
         self._may_have_closed = True
         result = self._gripper.grip(self._profile.gripper.grip_current_a)
         width_mm = self._profile.blocks[kind].width_mm
         if not result.is_holding or abs(result.width_mm - width_mm) > WIDTH_TOLERANCE_MM:
-            self._gripper.move_to(self._profile.gripper.open_mm)
+            self._gripper.move_to(opening_mm)
             self._lift(place, holds_block=False)
             found = f"something {result.width_mm:.1f} mm wide" if result.is_holding else "nothing"
             raise GripFailed(
@@ -350,8 +478,9 @@ class Manipulator:
             case "placing":
                 self._ledger.released(transfer.slot, transfer.target)
 
-    def _put_down(self, entry: StoreSlot, target: TablePlace | None) -> None:
-        place = target or self.slot_place(entry.number)
+    def _put_down(self, entry: StoreSlot, target: TablePlace | None, along_mm: float = 0.0) -> None:
+        """Put the held block down; `along_mm` is how far beside its middle it is held."""
+        place = beside(target or self.slot_place(entry.number), along_mm)
         self._release(place, entry)
         self._ledger.released(entry.number, target)
         self._lift(place, holds_block=False)
@@ -372,6 +501,17 @@ class Manipulator:
         turn = (place.yaw_deg + 90.0) % 180.0 - 90.0
         c_deg = 180.0 + turn if turn <= 0 else turn - 180.0
         return Pose(place.x_mm, place.y_mm, z_mm, 180.0, 0.0, c_deg)
+
+
+def _back(push: Push) -> TablePlace:
+    """Return a little back from the end of a push, so that the fingers go up free."""
+    dx, dy = push.start.x_mm - push.end.x_mm, push.start.y_mm - push.end.y_mm
+    share = min(1.0, _BACK_MM / (math.hypot(dx, dy) or 1.0))
+    return TablePlace(
+        x_mm=push.end.x_mm + share * dx,
+        y_mm=push.end.y_mm + share * dy,
+        yaw_deg=push.end.yaw_deg,
+    )
 
 
 def _lost(entry: StoreSlot) -> str:

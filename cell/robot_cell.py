@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.block_work import BlockWork
+from cell.cleaning.report import CleaningPlan, PictureCleaning
 from cell.clock import Clock
 from cell.devices.absent import AbsentDisplay, AbsentGripper, AbsentScreen
 from cell.devices.camera import Camera, Frame
@@ -21,7 +22,6 @@ from cell.manipulation import Deployment, Manipulator, Progress, no_progress
 from cell.motion.guarded import GuardedArm
 from cell.moving import move_over_table
 from cell.optics import CellOptics, camera_mode
-from cell.picture_cleaning import PictureCleaning
 from cell.power import CellPower
 from cell.profile import Profile
 from cell.recovery.resume import ResumeCheck
@@ -240,7 +240,7 @@ class RobotCell:
 
     def set_speed(self, speed_mm_s: float, joint_percent: float) -> None:
         """Set the speed of later moves."""
-        self.arm.set_speed(speed_mm_s, joint_percent)
+        self._blocks.set_speed(speed_mm_s, joint_percent)
 
     # Blocks
 
@@ -259,6 +259,10 @@ class RobotCell:
     def clean_from_picture(self, progress: Progress = no_progress) -> PictureCleaning:
         """Bring home what the top camera sees; see `BlockWork.clean_from_picture`."""
         return self._blocks.clean_from_picture(progress)
+
+    def plan_from_picture(self) -> CleaningPlan:
+        """Look and tell what would be cleaned how; see `BlockWork.plan_from_picture`."""
+        return self._blocks.plan_from_picture()
 
     def deploy(self, slot: int, place: TablePlace) -> None:
         """Bring one block from its slot to a place."""

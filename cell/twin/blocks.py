@@ -7,10 +7,10 @@ import random
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from cell.contact import Footprint, Polygon, push_out
 from cell.profile import BlockProfile
-from cell.twin.contact import Footprint, Polygon, push_out
 
-_CASCADE_ROUNDS = 20
+_CASCADE_ROUNDS = 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +34,25 @@ class TwinBlock:
     y_mm: float
     z_mm: float
     yaw_deg: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shove:
+    """A block that something pushed.
+
+    Attributes:
+        block: Its identity.
+        top_mm: Height of its top face.
+        low_mm: Height of the lower end of what pushed it.
+        overlap_mm: How far the two were in each other.
+        is_jammed: Whether blocks were left in each other for want of room.
+    """
+
+    block: str
+    top_mm: float
+    low_mm: float
+    overlap_mm: float
+    is_jammed: bool
 
 
 class BlockField:
@@ -99,14 +118,18 @@ class BlockField:
             is_round=kind.shape == "cylinder",
         )
 
-    def push(self, tool: Footprint, low_mm: float, *, spare: str | None = None) -> None:
+    def push(self, tool: Footprint, low_mm: float, *, spare: str | None = None) -> list[Shove]:
         """Push every block out of a tool's footprint that reaches down to `low_mm`.
 
         Args:
             tool: Footprint of what pushes.
             low_mm: Height of its lower end.
             spare: A block that hangs between the fingers and is not pushed.
+
+        Returns:
+            What was pushed, where the blocks are free by now.
         """
+        shoved: list[Shove] = []
         # The hand asks this all along its way, and nearly all blocks are far from it: they
         # are passed over by the sizes of their kind, before anything is made of them.
         outline: Polygon | None = None
@@ -123,7 +146,20 @@ class BlockField:
             shift = push_out(self.footprint(block).polygon(), outline)
             if shift is not None:
                 self._slide(name, shift)
-                self._spread(name, spare)
+                shoved.append(
+                    Shove(
+                        block=name,
+                        top_mm=self.top_mm(block),
+                        low_mm=low_mm,
+                        overlap_mm=math.hypot(*shift),
+                        is_jammed=not self._spread(name, spare),
+                    )
+                )
+        return shoved
+
+    def make_room(self, name: str) -> None:
+        """Push aside what a block was turned or drawn into."""
+        self._spread(name, None)
 
     def drop(
         self, name: str, generator: random.Random, scatter_mm: float, scatter_deg: float
@@ -162,12 +198,12 @@ class BlockField:
         block = self._blocks[name]
         self.put(replace(block, x_mm=block.x_mm + shift[0], y_mm=block.y_mm + shift[1]))
 
-    def _spread(self, first: str, spare: str | None) -> None:
-        """Push on what a moved block has run into, until nothing overlaps."""
+    def _spread(self, first: str, spare: str | None) -> bool:
+        """Push on what a moved block has run into; return whether nothing overlaps then."""
         pushers = [first]
         for _ in range(_CASCADE_ROUNDS):
             if not pushers:
-                return
+                return True
             pusher = self._blocks[pushers.pop()]
             own = self.footprint(pusher)
             outline = own.polygon()
@@ -182,6 +218,7 @@ class BlockField:
                 if shift is not None:
                     self._slide(name, shift)
                     pushers.append(name)
+        return not pushers
 
     def _share_height(self, one: TwinBlock, other: TwinBlock) -> bool:
         return one.z_mm < self.top_mm(other) - 1.0 and other.z_mm < self.top_mm(one) - 1.0

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from cell.contact import Jaw, aligned_yaw_deg
 from cell.geometry import Pose
 from cell.profile import Profile
-from cell.twin.blocks import BlockField, TwinBlock
-from cell.twin.contact import Jaw, aligned_yaw_deg
+from cell.twin.blocks import BlockField, Shove, TwinBlock
 
 _FINGER_LENGTH_MM = 50.0
 _LEAST_CONTACT_MM = 3.0
@@ -38,11 +38,13 @@ class Meeting:
         end_mm: The opening at which they stand still.
         takes: The block that they then hold, turned flat to them, or None.
         is_blocked: Whether something stopped them before their target.
+        pinched: Blocks that were pressed together between them, where there were several.
     """
 
     end_mm: float
     takes: TwinBlock | None
     is_blocked: bool
+    pinched: tuple[str, ...] = ()
 
 
 class Hand:
@@ -85,7 +87,8 @@ class Hand:
         if width_mm <= target_mm:
             return Meeting(end_mm=target_mm, takes=None, is_blocked=False)
         takes = met[0][1] if len(met) == 1 and width_mm > _LEAST_CONTACT_MM else None
-        return Meeting(end_mm=width_mm, takes=takes, is_blocked=True)
+        pinched = tuple(block.block for _, block in met) if len(met) > 1 else ()
+        return Meeting(end_mm=width_mm, takes=takes, is_blocked=True, pinched=pinched)
 
     def take(self, blocks: BlockField, block: TwinBlock, tool: Pose) -> Held | None:
         """Push a block to the fingers' middle and return how it hangs in them."""
@@ -97,6 +100,7 @@ class Hand:
         shift = 0.5 * (span[0] + span[1])
         block = replace(block, x_mm=block.x_mm - shift * ax, y_mm=block.y_mm - shift * ay)
         blocks.put(block)
+        blocks.make_room(block.block)
         dx, dy = block.x_mm - jaw.x_mm, block.y_mm - jaw.y_mm
         return Held(
             block=block.block,
@@ -120,14 +124,16 @@ class Hand:
 
     def push_aside(
         self, blocks: BlockField, tool: Pose, opening_mm: float, held: Held | None
-    ) -> None:
-        """Push what the fingers, or a block in them, run into."""
+    ) -> list[Shove]:
+        """Push what the fingers, or a block in them, run into; return what was pushed."""
+        shoved: list[Shove] = []
         spare = None if held is None else held.block
         for finger in self._jaw(tool).fingers(opening_mm):
-            blocks.push(finger, self.tip_mm(tool), spare=spare)
+            shoved += blocks.push(finger, self.tip_mm(tool), spare=spare)
         if held is not None:
             carried = self.carried(blocks.get(held.block), held, tool)
-            blocks.push(blocks.footprint(carried), carried.z_mm, spare=spare)
+            shoved += blocks.push(blocks.footprint(carried), carried.z_mm, spare=spare)
+        return shoved
 
     def _jaw(self, tool: Pose) -> Jaw:
         a, b, c = (math.radians(v) for v in (tool.a_deg, tool.b_deg, tool.c_deg))

@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 from cell.clock import Clock
 from cell.geometry import JointPositions, Pose
 from cell.profile import Profile
-from cell.twin.blocks import BlockField, TwinBlock
+from cell.twin.blocks import BlockField, Shove, TwinBlock
 from cell.twin.bodies import FingerMotion, JointPath, JointTuple
 from cell.twin.hand import Hand, Held, Meeting
+from cell.twin.harm import LANDING_MM, PUSH_LIMIT_MM_S, Harm
 from cell.twin.scene import Scene, SceneBlock
 
 _SWEEP_STEP_S = 0.02
@@ -76,6 +77,7 @@ class World:
         self._opening_mm = profile.gripper.open_mm
         self._closing: _Closing | None = None
         self.held: Held | None = None
+        self._harms: list[Harm] = []
         self._are_fingers_jammed = False
         self._is_lamp_dead = False
         self.outputs: dict[int, bool] = {}
@@ -242,6 +244,10 @@ class World:
         else:
             tool = self._tool(self.joints_deg(now_s))
             meeting = self._hand.meet(self.blocks, tool, start_mm, target_mm)
+            self._harms += [
+                Harm(kind="pinched", block=name, time_s=now_s, figure=meeting.end_mm)
+                for name in meeting.pinched
+            ]
         end_mm = meeting.end_mm
         duration_s = _travel_s(abs(end_mm - start_mm), speed_mm_s, acceleration_mm_s2)
         motion = FingerMotion(
@@ -289,6 +295,11 @@ class World:
         now_s = self._clock.now_s()
         self._settle(now_s)
         return self._placed(now_s)
+
+    @property
+    def harms(self) -> tuple[Harm, ...]:
+        """What would have harmed blocks since the world was made; see `cell.twin.harm`."""
+        return tuple(self._harms)
 
     def restore(
         self,
@@ -375,12 +386,36 @@ class World:
             return
         before = self.blocks.revision
         steps = max(1, math.ceil((until_s - since_s) / _SWEEP_STEP_S))
+        step_s = (until_s - since_s) / steps
+        last = self._tool(path.at(since_s))
         for step in range(1, steps + 1):
-            tool = self._tool(path.at(since_s + (until_s - since_s) * step / steps))
+            tool = self._tool(path.at(since_s + step_s * step))
             if tool.z_mm < clear_mm:
-                self._hand.push_aside(self.blocks, tool, self._opening_mm, self.held)
+                shoved = self._hand.push_aside(self.blocks, tool, self._opening_mm, self.held)
+                self._judge(shoved, last, tool, since_s + step_s * step, step_s)
+            last = tool
         if self.blocks.revision != before:
             self._changed()
+
+    def _judge(
+        self, shoved: Iterable[Shove], last: Pose, tool: Pose, time_s: float, step_s: float
+    ) -> None:
+        """Note what harms the blocks that a moving hand has pushed."""
+        speed_mm_s = math.hypot(tool.x_mm - last.x_mm, tool.y_mm - last.y_mm) / step_s
+        for one in shoved:
+            came_from_above = one.low_mm + last.z_mm - tool.z_mm >= one.top_mm - 1.0
+            if came_from_above and one.overlap_mm > LANDING_MM:
+                self._harms.append(
+                    Harm(kind="landed", block=one.block, time_s=time_s, figure=one.overlap_mm)
+                )
+            elif speed_mm_s > PUSH_LIMIT_MM_S:
+                self._harms.append(
+                    Harm(kind="rammed", block=one.block, time_s=time_s, figure=speed_mm_s)
+                )
+            if one.is_jammed:
+                self._harms.append(
+                    Harm(kind="jammed", block=one.block, time_s=time_s, figure=one.overlap_mm)
+                )
 
     def _stays_above(
         self, path: JointPath, since_s: float, until_s: float, clear_mm: float

@@ -14,13 +14,11 @@ from cell.assembly import assemble_twin
 from cell.clock import SimulatedClock
 from cell.errors import DeviceError, GripFailed, MotionRefused, Stopped, StoreError
 from cell.geometry import JointPositions
-from cell.manipulation import Deployment, no_progress
-from cell.picture_cleaning import bring_home, seeing_camera
+from cell.manipulation import Deployment
 from cell.profile import load_profile
 from cell.store import StorePlan, StoreSlot, TablePlace
 from cell.twin.blocks import TwinBlock
 from cell.twin_cell import TwinCell
-from cell.vision import SeenBlock
 
 PLAN = StorePlan(
     (
@@ -190,22 +188,6 @@ def test_the_table_is_cleaned_by_what_the_camera_sees(cell: TwinCell) -> None:
         home = cell.manipulator.slot_place(slot.number)
         assert off_mm(truth(cell, slot.number), home) < 8.0, slot
     assert cell.clean_from_picture().home == ()
-
-
-def test_what_is_not_recognised_is_left_and_reported(cell: TwinCell) -> None:
-    _, plane_map = seeing_camera(cell.profile)
-    u, v = plane_map.to_picture(560.0, -100.0)
-    unknown = SeenBlock(
-        kind=None, colour="red", u_px=u, v_px=v, yaw_px_deg=0.0,
-        area_px=6000, circularity=0.6, mean_rgb=(187.0, 60.0, 47.0),
-    )  # fmt: skip
-    absent = replace(unknown, kind="cube")
-    cleaning = bring_home(
-        [unknown, absent], plane_map, cell.manipulator, cell.ledger, PLAN, no_progress
-    )
-    assert cleaning.home == ()
-    assert "no known kind or colour at (560, -100) mm" in cleaning.left[0]
-    assert "no free slot for a red cube" in cleaning.left[1]
 
 
 def test_another_process_finds_the_table_as_it_was_left(tmp_path: Path) -> None:

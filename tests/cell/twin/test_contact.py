@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from cell.twin.contact import Footprint, Jaw, aligned_yaw_deg, push_out
+from cell.contact import Footprint, Jaw, aligned_yaw_deg, push_out
 
 
 def cube(x: float, y: float, yaw_deg: float = 0.0) -> Footprint:

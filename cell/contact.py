@@ -8,11 +8,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 Point = tuple[float, float]
 Polygon = tuple[Point, ...]
 
 _CIRCLE_CORNERS = 24
+
+
+class Body(Protocol):
+    """Anything that has an outline."""
+
+    def polygon(self) -> Polygon:
+        """Return the convex outline, counter-clockwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """A body of which only the convex outline is known."""
+
+    corners: Polygon
+
+    def polygon(self) -> Polygon:
+        """Return the outline."""
+        return self.corners
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,7 +130,7 @@ class Jaw:
         )
         return left, right
 
-    def span(self, body: Footprint) -> tuple[float, float] | None:
+    def span(self, body: Body) -> tuple[float, float] | None:
         """Return from where to where a body reaches along the closing axis.
 
         Only the part between the fingers' sides counts.
