@@ -112,10 +112,12 @@ class Observations:
         touches: Touched points.
         blocks: Placed blocks.
         priors: What is known of the lenses; nothing but the default of those left out.
+        top_mm: Height of block tops above the glass, where accuracy is stated.
     """
 
     seen: Mapping[str, Correspondences]
     screen: ScreenPlace
+    top_mm: float = 33.0
     touches: Sequence[Touch] = ()
     blocks: Sequence[PlacedBlock] = ()
     priors: Mapping[str, LensPrior] = field(default_factory=dict)
