@@ -96,7 +96,13 @@ def calibrate(
             if journal.exists:
                 say("the interrupted run before is thrown away; --resume would go on with it")
             journal.begin()
-        record = session.play(start(procedure, session.site), asked, journal=journal, resume=resume)
+        try:
+            fresh = start(procedure, session.site)
+            record = session.play(fresh, asked, journal=journal, resume=resume)
+        except FitFailed:
+            # The same answers would only come to the same end.
+            journal.remove()
+            raise
         for sentence in asked.unused():
             say(f"warning: {sentence}", "yellow")
         return _keep(record, session.archive, journal, out, as_json=as_json)
