@@ -60,6 +60,20 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         summary="shutter, gain and white balance by a reference, a grey area, by hand or table",
     ),
     Entry(
+        name="screen",
+        kind="screen",
+        target="calibration.screen.procedure:screen",
+        check="calibration.drift.procedure:check_screen",
+        summary="lens and place of all cameras that stand still, and of the screen, by patterns",
+    ),
+    Entry(
+        name="drift",
+        kind="drift",
+        target="calibration.drift.procedure:drift",
+        check="",
+        summary="whether cameras and screen still stand where they stood, by dots on the screen",
+    ),
+    Entry(
         name="store-place",
         kind="store-place",
         target="calibration.store_place.procedure:store_place",
