@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -141,7 +142,7 @@ class _Batch:
         mean, spread = self._colours(state)
         uniform = self._uniform
         miss, is_edge, weight = self._misses(state, mean, spread)
-        left = miss - state[:, 3:4] * -1.0
+        left = miss + state[:, 3:4]
         supported = is_edge & (np.abs(left) < _SUPPORT_MM)
         residual = 1.48 * _masked_median(np.abs(left), supported)
         _, covariance = self._solve(state, miss, weight)
@@ -237,9 +238,7 @@ class _Batch:
         normals = _turn(state[:, 2], self._normals)
         lever = self._points[:, :, 0] * self._normals[:, :, 1]
         lever = lever - self._points[:, :, 1] * self._normals[:, :, 0]
-        slopes = np.concatenate(
-            [normals, lever[..., None], -np.ones((*lever.shape, 1))], axis=2
-        )
+        slopes = np.concatenate([normals, lever[..., None], -np.ones((*lever.shape, 1))], axis=2)
         # An edge at `miss` beyond the outline is one that the inset has not moved yet.
         wanted = miss + state[:, 3:4]
         normal = np.einsum("nmi,nm,nmj->nij", slopes, weight, slopes)
@@ -265,6 +264,7 @@ def _turn(angles_rad: Points, vectors: Points) -> Points:
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
+@lru_cache(maxsize=32)
 def _edge_points(shape: KindShape) -> tuple[Points, Points]:
     """Return points on a face's outline and the outward normals there, both (m, 2)."""
     if shape.is_round:
@@ -273,14 +273,16 @@ def _edge_points(shape: KindShape) -> tuple[Points, Points]:
         return normals * shape.length_mm / 2.0, normals
     shares = np.linspace(_CORNER_SHARE, 1.0 - _CORNER_SHARE, _SAMPLES_PER_SIDE)[:, None]
     corners = shape.outline_mm
-    points, normals = [], []
+    points: list[Points] = []
+    across: list[Points] = []
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         along = (end - start) / np.linalg.norm(end - start)
         points.append(start + shares * (end - start))
-        normals.append(np.tile([along[1], -along[0]], (_SAMPLES_PER_SIDE, 1)))
-    return np.concatenate(points), np.concatenate(normals)
+        across.append(np.tile([along[1], -along[0]], (_SAMPLES_PER_SIDE, 1)))
+    return np.concatenate(points), np.concatenate(across)
 
 
+@lru_cache(maxsize=32)
 def _inner_points(shape: KindShape) -> Points:
     """Return points inside a face, away from its edge, (36, 2)."""
     share = np.linspace(-0.8, 0.8, _INNER)

@@ -278,10 +278,14 @@ class _Look:
         self._add_unknown(reason, face.outline_px)
 
     def _add_unknown(self, reason: str, outline_px: Points) -> None:
-        x, y = self._sight.view.to_robot(outline_px.mean(axis=0), self._sight.top_mm).tolist()
-        self._unknown.append(
-            UnknownThing(reason=reason, x_mm=x, y_mm=y, outline_px=outline_px)
-        )
+        middle = outline_px.mean(axis=0)
+        # Table and bezel beside the screen are looked at for blocks that hang over its edge;
+        # whatever else lies there is none of ours.
+        panel = self._sight.panel_px().astype(np.float32)
+        if cv2.pointPolygonTest(panel, (float(middle[0]), float(middle[1])), False) < 0:
+            return
+        x, y = self._sight.view.to_robot(middle, self._sight.top_mm).tolist()
+        self._unknown.append(UnknownThing(reason=reason, x_mm=x, y_mm=y, outline_px=outline_px))
 
     def _mm_per_px(self) -> float:
         height, width = self._picture.shape[:2]
@@ -327,9 +331,7 @@ class _Look:
         ]
         return float(np.median(told)) if told else None
 
-    def _block(
-        self, face: FittedFace, guess: ColourGuess, is_group: bool
-    ) -> FoundBlock | None:
+    def _block(self, face: FittedFace, guess: ColourGuess, is_group: bool) -> FoundBlock | None:
         outline = self._outline_px(face)
         if guess.colour is None:
             self._add_unknown(guess.reason, outline)
@@ -377,9 +379,9 @@ class _Look:
             line = np.rint(((grown + 0.5) / PITCH_PX - 0.5) * 16.0).astype(np.int32)
             cv2.fillPoly(dark, [line], 0, cv2.LINE_8, 4)
         dark = np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8)))
-        least = min(kind.area_mm2 for kind in self._sight.kinds) / (
-            self._mm_per_px() * PITCH_PX
-        ) ** 2
+        least = (
+            min(kind.area_mm2 for kind in self._sight.kinds) / (self._mm_per_px() * PITCH_PX) ** 2
+        )
         known = [thing.outline_px.mean(axis=0) for thing in self._unknown]
         contours, _ = cv2.findContours(dark, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
         for contour in contours:

@@ -158,9 +158,9 @@ class TableSight:
         at_mm = self.view.to_robot(middles_px, self.top_mm)
         steps = _HALF_LOCAL_MM * np.array([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
         around = self.view.to_picture(at_mm[:, None] + steps, self.top_mm)
-        px_per_mm = np.stack(
-            [around[:, 0] - around[:, 1], around[:, 2] - around[:, 3]], axis=2
-        ) / (2.0 * _HALF_LOCAL_MM)
+        px_per_mm = np.stack([around[:, 0] - around[:, 1], around[:, 2] - around[:, 3]], axis=2) / (
+            2.0 * _HALF_LOCAL_MM
+        )
         mm_per_px = np.linalg.inv(px_per_mm)
         shift = at_mm - np.einsum("nij,nj->ni", mm_per_px, middles_px)
         return np.concatenate([mm_per_px, shift[:, :, None]], axis=2)

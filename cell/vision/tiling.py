@@ -35,10 +35,11 @@ _LEAST_DISC_RIM = 0.62
 _STRAIGHT_MM = 9.0
 _BEND_MM = 1.7
 _ROUGHNESS = 1.5
+_MOST_CORNERS = 40
 _CORNER_SLACK_MM = 2.2
 _GRID_MM = 2.5
 _INNER_MM = 1.2
-_MOST_NODES = 40
+_MOST_NODES = 30
 _MOST_BRANCHES = 3
 _MOST_REFINED = 10
 _MOST_MOVED_MM = 3.5
@@ -214,7 +215,7 @@ class _Search:
         for contour in contours:
             if cv2.contourArea(contour) < 0.5 * min(kind.area_mm2 for kind in self._kinds):
                 continue
-            polygon = _straightened(np.asarray(contour).reshape(-1, 2))
+            polygon = _straightened(np.asarray(contour, np.int32).reshape(-1, 2))
             yield from self._flush(region, np.asarray(blurred), polygon)
         yield from self._discs(region, np.asarray(blurred))
 
@@ -222,24 +223,29 @@ class _Search:
         self, region: Mask, to_rim: NDArray[np.float32], polygon: Points
     ) -> Iterator[Placement]:
         """Yield boxes with a side along a piece of the outline and a corner at its end."""
-        for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-            length = float(np.linalg.norm(end - start))
-            if length < _STRAIGHT_MM:
+        ends = np.roll(polygon, -1, axis=0)
+        lengths = np.linalg.norm(ends - polygon, axis=1)
+        if len(polygon) > _MOST_CORNERS or not (lengths > _STRAIGHT_MM).any():
+            return
+        kept = lengths > _STRAIGHT_MM
+        starts, ends = polygon[kept], ends[kept]
+        along = (ends - starts) / lengths[kept, None]
+        inward = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        angles = np.arctan2(along[:, 1], along[:, 0])
+        for shape in self._kinds:
+            if shape.is_round:
                 continue
-            along = (end - start) / length
-            for shape in self._kinds:
-                if shape.is_round:
-                    continue
-                for x, y in ((shape.length_mm, shape.width_mm), (shape.width_mm, shape.length_mm)):
-                    for origin, sign in ((start, 1.0), (end, -1.0)):
-                        for side in (1.0, -1.0):
-                            inward = side * np.array([-along[1], along[0]])
-                            middle = origin + sign * along * x / 2.0 + inward * y / 2.0
-                            angle = math.atan2(along[1], along[0])
-                            turn = angle if x == shape.length_mm else angle + math.pi / 2.0
-                            yield from self._judged(region, to_rim, shape, middle, turn)
-                    if x == y:
-                        break
+            sizes = {(shape.length_mm, shape.width_mm), (shape.width_mm, shape.length_mm)}
+            for x, y in sizes:
+                turns = angles if x == shape.length_mm else angles + math.pi / 2.0
+                middles = [
+                    origin + sign * along * x / 2.0 + side * inward * y / 2.0
+                    for origin, sign in ((starts, 1.0), (ends, -1.0))
+                    for side in (1.0, -1.0)
+                ]
+                yield from self._judged(
+                    region, to_rim, shape, np.concatenate(middles), np.tile(turns, 4)
+                )
 
     def _discs(self, region: Mask, to_rim: NDArray[np.float32]) -> Iterator[Placement]:
         depth = np.asarray(cv2.distanceTransform(region, cv2.DIST_L2, 5))
@@ -249,34 +255,39 @@ class _Search:
             radius = shape.length_mm / 2.0
             wide = (depth > radius - _CORNER_SLACK_MM).astype(np.uint8)
             count, _, _, middles = cv2.connectedComponentsWithStats(wide)
-            for middle in middles[1:count]:
-                yield from self._judged(region, to_rim, shape, middle, 0.0)
+            if count > 1:
+                found = np.asarray(middles[1:count], np.float64)
+                yield from self._judged(region, to_rim, shape, found, np.zeros(count - 1))
 
     def _judged(
         self,
         region: Mask,
         to_rim: NDArray[np.float32],
         shape: KindShape,
-        middle: Points,
-        angle_rad: float,
+        middles: Points,
+        angles_rad: Points,
     ) -> Iterator[Placement]:
+        """Yield the faces at places (n, 2) and angles (n,) that fit in roughly."""
         inner, rim = _samples(shape)
-        inside = _looked_up(region, turned(inner, angle_rad) + middle) > 0
-        share = float(inside.mean())
-        if share < _LEAST_ROUGH_INSIDE:
-            return
-        near = _looked_up(to_rim, turned(rim, angle_rad) + middle) < _CORNER_SLACK_MM
-        outline = float(near.mean())
+        cos, sin = np.cos(angles_rad)[:, None], np.sin(angles_rad)[:, None]
+
+        def placed(local: Points) -> Points:
+            x, y = local[:, 0], local[:, 1]
+            both = np.stack([cos * x - sin * y, sin * x + cos * y], axis=2)
+            return np.asarray(both + middles[:, None])
+
+        shares = (_looked_up(region, placed(inner)) > 0).mean(axis=1)
+        outlines = (_looked_up(to_rim, placed(rim)) < _CORNER_SLACK_MM).mean(axis=1)
+        least = _LEAST_DISC_RIM if shape.is_round else _LEAST_RIM
         # A large face that fits explains more than a small one that fits as well.
         bonus = 0.05 * shape.area_mm2 / max(kind.area_mm2 for kind in self._kinds)
-        fit = 0.5 * share + 0.5 * outline + bonus
-        if outline > (_LEAST_DISC_RIM if shape.is_round else _LEAST_RIM):
+        for k in np.flatnonzero((shares > _LEAST_ROUGH_INSIDE) & (outlines > least)).tolist():
             yield Placement(
                 shape=shape,
-                x_mm=float(middle[0]),
-                y_mm=float(middle[1]),
-                angle_rad=angle_rad,
-                fit=fit,
+                x_mm=float(middles[k, 0]),
+                y_mm=float(middles[k, 1]),
+                angle_rad=float(angles_rad[k]),
+                fit=0.5 * float(shares[k]) + 0.5 * float(outlines[k]) + bonus,
             )
 
 
@@ -329,12 +340,12 @@ def _samples(shape: KindShape) -> tuple[Points, Points]:
     return grid, rim
 
 
-def _looked_up(raster: NDArray[np.generic], places: Points) -> NDArray[np.generic]:
-    """Return the raster's values at the places (n, 2); its first value, a margin, outside."""
+def _looked_up(raster: NDArray[np.number], places: Points) -> NDArray[np.float64]:
+    """Return the raster's values at the places (..., 2); its first value, a margin, outside."""
     height, width = raster.shape
-    column, row = np.rint(places).astype(np.intp).T
+    column, row = np.moveaxis(np.rint(places).astype(np.intp), -1, 0)
     is_in = (column >= 0) & (row >= 0) & (column < width) & (row < height)
-    return np.asarray(raster[np.where(is_in, row, 0), np.where(is_in, column, 0)])
+    return np.asarray(raster[np.where(is_in, row, 0), np.where(is_in, column, 0)], np.float64)
 
 
 def _distinct(placements: Sequence[Placement]) -> list[Placement]:

@@ -48,9 +48,7 @@ class VisibleArea:
         return bool(is_in.all() and (self.mask[row, column] > 0).all())
 
 
-def visible_area(
-    sight: TableSight, hidden: Pixels | None, shape: tuple[int, int]
-) -> VisibleArea:
+def visible_area(sight: TableSight, hidden: Pixels | None, shape: tuple[int, int]) -> VisibleArea:
     """Return the screen in the picture less what hides it.
 
     Args:
