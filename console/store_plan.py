@@ -103,7 +103,7 @@ def read_plan(
         ruler: What the sheet's 100 mm ruler measures.
         options: Options of every command by hand.
     """
-    cell = _playground(options.profile)
+    cell = _known(_playground(options.profile))
     if camera not in cell.cameras:
         known = ", ".join(sorted(cell.cameras))
         raise ConsoleError(f"there is no camera {camera}; the profile has {known}")
@@ -236,6 +236,13 @@ def _playground(name: str) -> Profile:
     if not isinstance(profile, Profile):
         raise ConsoleError(f"the cell {profile.name} has no store")
     return profile
+
+
+def _known(profile: Profile) -> Profile:
+    """Return a profile with the calibrations in force."""
+    from console.calibrating import with_calibrations
+
+    return with_calibrations(profile).profile
 
 
 def _layout(cell: Profile, script: str) -> SheetLayout:
