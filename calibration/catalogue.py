@@ -60,6 +60,27 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         summary="shutter, gain and white balance by a reference, a grey area, by hand or table",
     ),
     Entry(
+        name="lens",
+        kind="lens",
+        target="calibration.lens.procedure:calibrate_lens",
+        check="calibration.lens.procedure:check_lens",
+        summary="focal length, centre and distortion from views of a board, live or from files",
+    ),
+    Entry(
+        name="homography",
+        kind="homography",
+        target="calibration.homography.procedure:calibrate_homography",
+        check="calibration.homography.checking:check_homography",
+        summary="from the top camera's picture to the robot frame, with the calibration object",
+    ),
+    Entry(
+        name="world",
+        kind="world",
+        target="calibration.world.procedure:calibrate_world",
+        check="calibration.world.procedure:check_world",
+        summary="the lattice's step, angle and origin: touched, seen or typed",
+    ),
+    Entry(
         name="screen",
         kind="screen",
         target="calibration.screen.procedure:screen",
