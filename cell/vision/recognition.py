@@ -363,7 +363,12 @@ class _Look:
         """Report what hides the lit screen and is no block found."""
         red, green, blue = cv2.split(cv2.subtract(white, black))
         levels = np.asarray(cv2.max(cv2.max(red, green), blue))
-        looked_at = self._area.mask > 0
+        # Bezel and table give no light: only well within the screen does dark mean hidden.
+        inset_mm = 4.0 if self._sight.knows_heights else 14.0
+        panel = np.zeros(levels.shape, np.uint8)
+        corners = (self._sight.panel_px(-inset_mm) + 0.5) / PITCH_PX - 0.5
+        cv2.fillConvexPoly(panel, np.rint(corners * 16.0).astype(np.int32), 255, cv2.LINE_8, 4)
+        looked_at = cv2.bitwise_and(panel, self._area.mask) > 0
         screen_level = float(np.percentile(levels[looked_at][::7], 80.0))
         if screen_level < _LEAST_SCREEN_LEVEL:
             raise VisionError(

@@ -28,7 +28,7 @@ SIGHT = TableSight.of_profile(PROFILE, "top", true_view())
 
 @pytest.fixture(scope="module")
 def tallies() -> dict[str, Tally]:
-    return run_layouts(50, seed=20)
+    return run_layouts(25, seed=20)
 
 
 @pytest.mark.parametrize(("method", "least"), [("one picture", 0.98), ("two pictures", 0.99)])
