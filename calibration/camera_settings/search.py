@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from calibration.camera_settings.knobs import Knobs, turn
+from calibration.camera_settings.knobs import Knobs, Plan, turn
 from calibration.camera_settings.target import Match, Target, match
 from calibration.procedure import Steps, capture, tell
 from calibration.requests import Picture
@@ -28,6 +28,7 @@ _PATIENCE = 3
 _LEAST_LEARNED_STEP = 0.15
 _RESPONSE_RANGE = (0.25, 4.0)
 _LEAST_EFFECT = 0.05
+_SHUTTER_LOG = 0.02
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,15 +94,17 @@ def search(
             len(tries),
             most_pictures,
         )
-        if _is_settled(tries):
-            break
         plan = knobs.plan(learner.step(_wanted(now.match)))
+        if _is_settled(tries) and not _has_better_shutter(knobs, plan):
+            break
         short = plan.short
         before = knobs.values
         knobs = yield from turn(camera, knobs, plan.values)
         if knobs.values == before:
             break
-    best = min(tries, key=_cost)
+    least = min(_cost(one) for one in tries)
+    # Of those that look the same, the last one: its shutter lets less flicker through.
+    best = next(one for one in reversed(tries) if _cost(one) <= least + DONE_ERROR / 2.0)
     if best is not tries[-1] or knobs.values != best.knobs.values:
         knobs = yield from turn(camera, knobs, best.knobs.values)
     return Found(best=best, tries=tuple(tries), short=short, has_effect=learner.has_effect)
@@ -160,6 +163,14 @@ def _wanted(seen: Match) -> tuple[float, float, float]:
     if seen.usable == 0:
         return (_BRIGHTER,) * 3
     return seen.log_ratios
+
+
+def _has_better_shutter(knobs: Knobs, plan: Plan) -> bool:
+    """Return whether the same light would come with a shutter that suits lamps and gain more."""
+    shutter = knobs.shutter
+    if shutter is None or not shutter.is_absolute:
+        return False
+    return abs(shutter.log_of(plan.values["shutter"]) - shutter.log) > _SHUTTER_LOG
 
 
 def _is_exposed(seen: Match) -> bool:

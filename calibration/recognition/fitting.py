@@ -21,8 +21,9 @@ from cell.profile import LearnedColourProfile, LearnedKindProfile
 from cell.vision.colour_model import ColourClass, ColourModel
 
 _POOL_WEIGHT = 10.0
-_LEAST_DEVIATION = np.array([0.015, 0.015, 0.03])
-"""Paint differs from block to block by more than a few samples of one tell."""
+_LEAST_DEVIATION = np.array([0.04, 0.04, 0.07])
+"""By so much the light's colour and level may change before the check of the camera's settings
+says so: what was learned must hold until then."""
 
 _RANGE_PROBABILITY = 0.999
 _LEAST_AREA_SHARE = 0.02

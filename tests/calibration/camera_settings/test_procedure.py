@@ -94,6 +94,23 @@ def test_settings_become_those_of_the_profile_and_the_shutter_lets_no_flicker_th
     assert "flicker" not in codes(found)
 
 
+def test_a_camera_that_is_right_but_lets_flicker_through_gets_another_shutter() -> None:
+    bench = Bench(truth=lit(flicker=0.2), files={"right.png": reference()})
+    found = bench.run(camera_settings(bench.site()), reference="right.png")
+    assert bench.camera().settings().shutter_ms % 10.0 == pytest.approx(0.0, abs=1e-3)
+    assert found.grade is Grade.OK, found.findings
+    assert error(bench.look(), reference()) < 3.0
+
+
+def test_a_start_that_is_clipped_all_over_goes_darker_until_something_is_seen() -> None:
+    bench = Bench(truth=lit(1.5), files={"right.png": reference()})
+    bench.camera().set_absolute("shutter", 470.0)
+    bench.camera().set_absolute("gain", 20.0)
+    found = bench.run(camera_settings(bench.site()), reference="right.png")
+    assert found.grade is Grade.OK, found.findings
+    assert error(bench.look(), reference()) < 3.0
+
+
 def test_flicker_is_told_where_the_shutter_lets_it_through() -> None:
     bench = Bench(truth=lit(flicker=0.3))
     found = bench.run(camera_settings(bench.site()), method="table")

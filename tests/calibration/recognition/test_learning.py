@@ -16,6 +16,8 @@ from calibration.verdict import Grade
 from cell.profile import Profile
 from cell.vision.blocks import SeenBlock
 from cell.vision.learned import kind_ranges, recognition_model
+from cell.vision.recognition import TwoPictures, recognise
+from cell.vision.sight import TableSight
 from cell.vision.tables import KINDS, kind_of
 from tests.calibration.camera_settings.bench import PLAN, PROFILE, Bench, codes, lit, recorded
 
@@ -58,6 +60,43 @@ def test_what_was_learned_is_what_the_recogniser_is_given() -> None:
         assert known is not None
         assert known.kind in sample.label
     assert kind_ranges(PROFILE, "top") == KINDS
+
+
+def test_the_recogniser_sees_in_warm_light_what_the_tables_do_not() -> None:
+    bench = Bench(truth=WARM)
+    slots = (1, 5, 7, 11, 13)
+    surface_mm = PROFILE.heights.surface_mm
+    blocks = {b.block: b for b in bench.cell.world.whereabouts()}
+    for index, number in enumerate(slots):
+        placed = replace(
+            blocks[f"slot {number}"],
+            x_mm=360.0 + 60.0 * index,
+            y_mm=-260.0 + 110.0 * index,
+            z_mm=surface_mm,
+            yaw_deg=17.0 * index,
+        )
+        bench.cell.world.blocks.put(placed)
+    look = TwoPictures(white=bench.look(screen="white"), black=bench.look())
+    profile = calibrated_profile(PROFILE, [recorded(learned_in_warm_light())])
+    sight = TableSight.of_profile(profile, "top")
+    wanted = sorted((PLAN.slot(n).kind, PLAN.slot(n).colour) for n in slots)
+
+    def told(profile: Profile) -> list[tuple[str, str]]:
+        found = recognise(look, sight, recognition_model(profile, "top"))
+        return sorted((b.kind, b.colour) for b in found.blocks)
+
+    assert told(profile) == wanted
+    assert len(set(told(PROFILE)) & set(wanted)) <= 3
+
+
+def test_what_was_learned_holds_while_the_light_changes_as_little_as_checks_allow() -> None:
+    profile = calibrated_profile(PROFILE, [recorded(learned_in_warm_light())])
+    model = recognition_model(profile, "top").colours
+    for sample in learned_in_warm_light().samples:
+        red, green, blue = sample.measured[:3]
+        guess = model.classify((0.93 * 1.04 * red, 0.93 * green, 0.93 * 0.96 * blue))
+        assert guess.colour is not None
+        assert guess.colour in sample.label
 
 
 def test_reference_tables_stand_beside_and_margins_are_sorted() -> None:
