@@ -8,6 +8,7 @@ the channels, arm aside, with the reference's blocks on the table again.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -73,7 +74,8 @@ def run(starts: int = STARTS, first_seed: int = 0) -> list[Result]:
     seeds = range(first_seed, first_seed + starts)
     outcomes = [_one(profile, wanted, seed) for seed in seeds]
     errors, pictures, failed = (np.array(column) for column in zip(*outcomes, strict=True))
-    print(f"worst seed: {first_seed + int(errors.argmax())}, {errors.max():.2f} levels")
+    worst = first_seed + int(errors.argmax())
+    print(f"camera_settings: worst seed {worst}, {errors.max():.2f} levels", file=sys.stderr)
     return [
         Result(
             name=f"mean colour error, worst of {starts} starts",
