@@ -245,6 +245,7 @@ def fit_servos(
     mounts: Sequence[Mount] = (BACK, TOP),
     noise: MarkerNoise | None = None,
     knots: Sequence[Array] | None = None,
+    steps: int = 40,
 ) -> ServoFit:
     """Fit maps and sag.
 
@@ -254,6 +255,7 @@ def fit_servos(
         mounts: How the markers sit on the hand.
         noise: How exactly a marker is seen.
         knots: Commanded angles of each joint's knots; from the sights unless given.
+        steps: Most steps of one fit; sights that fit the model need five or six.
 
     Raises:
         FitFailed: A joint was commanded to fewer than three angles, or the sights are too few.
@@ -262,7 +264,7 @@ def fit_servos(
     held: tuple[int, ...] = ()
     found: Fit | None = None
     for held in _SAG_CHOICES:
-        found = _fitted(model, held)
+        found = _fitted(model, held, steps)
         if found is not None:
             break
     if found is None:
@@ -270,8 +272,8 @@ def fit_servos(
             f"{len(sights)} sights do not tell the {model.count - 4} knots of the five maps; "
             "move every joint in steps of 15 deg over its range, with the marker in view"
         )
-    values, free, risen, final = _kept_rising(model, held, found)
-    data = final.residuals.size - model.bends - risen
+    values, free, risen, final = _kept_rising(model, held, found, steps)
+    data = final.residuals.size - model.bends - len(risen)
     freedom = data - free.size
     if freedom < 1:
         raise FitFailed(f"{len(sights)} sights leave nothing to judge the fit by; take more")
@@ -282,7 +284,8 @@ def fit_servos(
         correction = model.correction(values)
     except ProfileError as error:
         raise FitFailed(f"the sights give no map that rises: {error}") from error
-    flat = sorted({joint for joint, _, missing in model.rises(values) if missing > -1e-3})
+    ends = np.cumsum([k.size for k in model.knots])
+    flat = sorted({int(np.searchsorted(ends, index, side="right")) for index in risen})
     return ServoFit(
         correction=correction,
         knots_deg=model.knots,
@@ -291,16 +294,16 @@ def fit_servos(
         freedom=freedom,
         noise_factor=float(np.sqrt(scale)),
         flat=tuple(JOINTS[joint] for joint in flat),
-        fit=replace(final, residuals=final.residuals, scale=scale),
+        fit=replace(final, scale=scale),
         free=free,
     )
 
 
-def _fitted(model: ServoModel, held: tuple[int, ...]) -> Fit | None:
+def _fitted(model: ServoModel, held: tuple[int, ...], steps: int) -> Fit | None:
     """Return the fit with some figures of sag held; None if the sights do not tell the rest."""
     start, free = _begin(model, held)
     try:
-        found = _least(model, start, free, ())
+        found = _least(model, start, free, (), steps)
     except FitFailed:
         return None
     deviation = np.sqrt(np.diag(found.covariance))
@@ -322,8 +325,8 @@ def _begin(model: ServoModel, held: tuple[int, ...]) -> tuple[Array, NDArray[np.
 
 
 def _kept_rising(
-    model: ServoModel, held: tuple[int, ...], found: Fit
-) -> tuple[Array, NDArray[np.intp], int, Fit]:
+    model: ServoModel, held: tuple[int, ...], found: Fit, steps: int
+) -> tuple[Array, NDArray[np.intp], dict[int, float], Fit]:
     """Return values, free parameters, held rises and the fit, with no map falling.
 
     Pieces that fall are held to the least rise, one round after the other, as rows of great
@@ -341,14 +344,18 @@ def _kept_rising(
         all_knots = np.concatenate(model.knots)
         for index, _ in fresh:
             rows[index] = _LEAST_RISE * float(all_knots[index + 1] - all_knots[index]) * 1.001
-        found = _least(model, start, free, tuple(sorted(rows.items())))
+        found = _least(model, start, free, tuple(sorted(rows.items())), steps)
         values = start.copy()
         values[free] = found.parameters
-    return values, free, len(rows), found
+    return values, free, rows, found
 
 
 def _least(
-    model: ServoModel, start: Array, free: NDArray[np.intp], rises: tuple[tuple[int, float], ...]
+    model: ServoModel,
+    start: Array,
+    free: NDArray[np.intp],
+    rises: tuple[tuple[int, float], ...],
+    steps: int,
 ) -> Fit:
     def whole(part: Array) -> Array:
         values = start.copy()
@@ -367,7 +374,9 @@ def _least(
             held[row, index], held[row, index + 1] = -_HELD, _HELD
         return np.concatenate([matrix, held])[:, free]
 
-    return fit(residuals, start[free], jacobian=slopes, is_noise_known=True, tolerance=1e-7)
+    return fit(
+        residuals, start[free], jacobian=slopes, is_noise_known=True, tolerance=1e-7, steps=steps
+    )
 
 
 def _settled(rest: Array, sag: SagModel) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibration.errors import FitFailed
 from calibration.servo.fitting import ServoFit, fit_servos
@@ -19,6 +20,10 @@ from cell.kinematics.servo_map import Five
 LIMIT: Final = 3.0
 """Noise this many times the stated one means that something else is wrong."""
 _BETTER: Final = 4.0
+_ENOUGH: Final = 40
+"""How many sights tell a mistake."""
+_STEPS: Final = 12
+"""What needs more steps is not put right."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +52,13 @@ def named_mistake(
     """
     before = float("inf") if found is None else found.noise_factor
     ranking: list[tuple[float, _Cure]] = []
+    some = sights[:: max(1, len(sights) // _ENOUGH)]
     for cure in _CURES:
-        cured = [cure.apply(sight) for sight in sights]
+        cured = [cure.apply(sight) for sight in some]
         try:
-            after = fit_servos(cured, geometry, mounts=mounts, noise=noise)
+            after = fit_servos(
+                cured, geometry, mounts=mounts, noise=noise, knots=_few_knots(cured), steps=_STEPS
+            )
         except FitFailed:
             continue
         if not after.flat:
@@ -67,6 +75,12 @@ def named_mistake(
         text=f"{cure.text}: as given {words}, put right the sights agree",
         hint=cure.hint,
     )
+
+
+def _few_knots(sights: Sequence[Sight]) -> list[NDArray[np.float64]]:
+    """Return three knots a joint: enough to tell a mistake from a bent servo."""
+    commanded = np.array([sight.commanded_deg for sight in sights])
+    return [np.linspace(column.min(), column.max() + 1e-3, 3) for column in commanded.T]
 
 
 def _scaled(factor: float) -> Callable[[Sight], Sight]:
