@@ -108,6 +108,20 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         check="calibration.recognition.procedure:check_recognition",
         summary="colours and sizes of the blocks, learned from the store's own, laid out",
     ),
+    Entry(
+        name="eye-in-hand",
+        kind="eye-in-hand",
+        target="calibration.eye_in_hand.procedure:eye_in_hand",
+        check="",
+        summary="where the camera sits on a SCARA's second link, with the links' lengths",
+    ),
+    Entry(
+        name="servo-maps",
+        kind="servo-maps",
+        target="calibration.servo.procedure:servo_maps",
+        check="",
+        summary="where hobby servos go when they are told to, and how the arm sags",
+    ),
 )
 """In the order in which a new cell is calibrated."""
 

@@ -188,7 +188,7 @@ def _wide_findings(found: ServoFit, arm: LynxArm) -> list[Finding]:
             wide.append((name, float(found.knots_deg[joint][worst]), float(band[worst])))
     if not wide:
         return []
-    name, angle, band = max(wide, key=lambda entry: entry[2])
+    name, angle, half = max(wide, key=lambda entry: entry[2])
     best = next_pose(found, arm)
     hint = "take more sights"
     if best is not None:
@@ -198,7 +198,7 @@ def _wide_findings(found: ServoFit, arm: LynxArm) -> list[Finding]:
         Finding(
             code="wide-band",
             grade=Grade.DEGRADED,
-            text=f"{name} commanded to {angle:.0f} deg is known to ± {band:.1f} deg only (95 %)",
+            text=f"{name} commanded to {angle:.0f} deg is known to ± {half:.1f} deg only (95 %)",
             hint=hint,
         )
     ]
