@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from cell.cleaning.grips import Grip, beside
-from cell.cleaning.pushes import PUSH_OPENING_MM, Push
+from cell.cleaning.pushes import PUSH_OPENING_MM
 from cell.devices.gripper import Gripper, GripperState
 from cell.errors import DeviceError, GripFailed, MotionRefused, StoreError, UnreachablePose
 from cell.events import BlockGripped, BlockReleased, EventBus, MotionRejected
@@ -184,11 +184,18 @@ class Manipulator:
         """
         return self._recover()
 
-    def push(self, push: Push, set_slow: Callable[[], None], set_back: Callable[[], None]) -> None:
-        """Push blocks along with closed fingers, low.
+    def push(
+        self,
+        start: TablePlace,
+        end: TablePlace,
+        set_slow: Callable[[], None],
+        set_back: Callable[[], None],
+    ) -> None:
+        """Push along whatever lies between two places with closed fingers, low.
 
         Args:
-            push: From where to where.
+            start: Where the fingers come down.
+            end: Where they stop; they go a little back before they go up.
             set_slow: Sets the speed of pushing; called when the fingers are down.
             set_back: Sets the speed of other moves again.
 
@@ -196,15 +203,16 @@ class Manipulator:
             MotionRefused: The arm may not go there.
         """
         self._gripper.move_to(PUSH_OPENING_MM)
-        self._approach(push.start, holds_block=False)
+        self._approach(start, holds_block=False)
+        back = _back(start, end)
         set_slow()
         try:
             low = self._profile.heights.laying_mm
-            self._arm.move_linear(self._over(push.end, low))
-            self._arm.move_linear(self._over(_back(push), low))
+            self._arm.move_linear(self._over(end, low))
+            self._arm.move_linear(self._over(back, low))
         finally:
             set_back()
-        self._lift(_back(push), holds_block=False)
+        self._lift(back, holds_block=False)
         self._gripper.move_to(self._profile.gripper.open_mm)
 
     def can_reach(self, place: TablePlace) -> bool:
@@ -503,15 +511,11 @@ class Manipulator:
         return Pose(place.x_mm, place.y_mm, z_mm, 180.0, 0.0, c_deg)
 
 
-def _back(push: Push) -> TablePlace:
-    """Return a little back from the end of a push, so that the fingers go up free."""
-    dx, dy = push.start.x_mm - push.end.x_mm, push.start.y_mm - push.end.y_mm
+def _back(start: TablePlace, end: TablePlace) -> TablePlace:
+    """Return a place a little back from the end of a way, where the fingers go up free."""
+    dx, dy = start.x_mm - end.x_mm, start.y_mm - end.y_mm
     share = min(1.0, _BACK_MM / (math.hypot(dx, dy) or 1.0))
-    return TablePlace(
-        x_mm=push.end.x_mm + share * dx,
-        y_mm=push.end.y_mm + share * dy,
-        yaw_deg=push.end.yaw_deg,
-    )
+    return TablePlace(x_mm=end.x_mm + share * dx, y_mm=end.y_mm + share * dy, yaw_deg=end.yaw_deg)
 
 
 def _lost(entry: StoreSlot) -> str:

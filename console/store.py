@@ -11,9 +11,20 @@ from console.figures import Figure, Whole
 from console.hand import DEFAULTS, HandOptions, by_hand, tell
 from console.hand_speed import kept_speed
 from console.output import put_json, put_table, say
+from console.seen import (
+    HEADINGS,
+    picture_path,
+    plan_data,
+    plan_rows,
+    push_text,
+    write_picture,
+)
 from console.store_plan import register as register_plan
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
     from cell.by_hand import ByHand
     from cell.store import TablePlace
 
@@ -140,6 +151,12 @@ def clean(
     picture: Annotated[
         bool, Parameter(negative="", help="By what the top camera sees, not by the ledger.")
     ] = False,
+    plan: Annotated[
+        bool, Parameter(negative="", help="With --picture: only look and tell what would be done.")
+    ] = False,
+    picture_out: Annotated[
+        str | None, Parameter(help="With --picture: PNG file for what the camera saw last.")
+    ] = None,
     options: HandOptions = DEFAULTS,
 ) -> int:
     """Bring blocks back to their slots: those of the slots given, or all that lie out.
@@ -147,32 +164,69 @@ def clean(
     Args:
         slots: Numbers of the slots; all unless given.
         picture: Whether the top camera says what lies where, rather than the ledger.
+        plan: Whether to only look and tell what would be done.
+        picture_out: File for the last picture with what was found in it.
         options: Options of every command by hand.
     """
     if picture and slots:
         raise ConsoleError("--picture looks for every block; leave the slots out")
+    if not picture and (plan or picture_out):
+        raise ConsoleError("--plan and --picture-out tell what the camera sees; add --picture")
+    out = None if picture_out is None else picture_path(picture_out)
 
     def work(hands: ByHand) -> int:
-        left: list[str] = []
         for slot in slots:
             hands.playground.plan.slot(slot)
         _bring_up(hands)
         if picture:
-            hands.reach_display()
-            hands.playground.display.switch_on()
-            hands.playground.display.select_input(hands.playground.profile.display.input)
-            cleaning = hands.playground.clean_from_picture(_progress)
-            put_back, left = list(cleaning.home), list(cleaning.left)
-        elif slots:
+            return _by_picture(hands, out, options, is_only_plan=plan)
+        if slots:
             put_back = hands.playground.clean_objects(slots, _progress)
         else:
             put_back = hands.playground.clean(_progress)
-        text = ", ".join(f"slot {slot}" for slot in put_back)
-        lines = [f"brought home: {text}" if text else "nothing was brought home", *left]
-        tell({"brought_home": put_back, "left": left}, "\n".join(lines), options)
-        return Exit.FAILED if left else Exit.DONE
+        return _tell_cleaned(put_back, [], {}, options)
 
     return by_hand(options, work)
+
+
+def _by_picture(
+    hands: ByHand, out: Path | None, options: HandOptions, *, is_only_plan: bool
+) -> int:
+    cell = hands.playground
+    hands.reach_display()
+    cell.display.switch_on()
+    cell.display.select_input(cell.profile.display.input)
+    if is_only_plan:
+        found = cell.plan_from_picture()
+        if out is not None:
+            write_picture(out, found.view)
+        if options.as_json:
+            put_json(plan_data(found))
+        elif found.seen:
+            put_table(HEADINGS, plan_rows(found))
+            say(push_text(found) or "each is free at its turn, or left where it is")
+        else:
+            say("nothing lies on the playground")
+        return Exit.DONE
+    cleaning = cell.clean_from_picture(_progress)
+    if out is not None and cleaning.last is not None:
+        write_picture(out, cleaning.last)
+    if cleaning.plan is not None:
+        for row in plan_rows(cleaning.plan):
+            say("  ".join(row))
+    data: dict[str, object] = {} if cleaning.plan is None else plan_data(cleaning.plan)
+    data |= {"pushes": cleaning.pushes, "looks": cleaning.looks}
+    return _tell_cleaned(cleaning.home, cleaning.left, data, options)
+
+
+def _tell_cleaned(
+    put_back: Sequence[int], left: Sequence[str], data: dict[str, object], options: HandOptions
+) -> int:
+    text = ", ".join(f"slot {slot}" for slot in put_back)
+    lines = [f"brought home: {text}" if text else "nothing was brought home", *left]
+    told: dict[str, object] = {"brought_home": [*put_back], "left": [*left]}
+    tell(told | data, "\n".join(lines), options)
+    return Exit.FAILED if left else Exit.DONE
 
 
 def _bring_up(hands: ByHand) -> None:

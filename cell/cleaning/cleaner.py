@@ -11,10 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from cell.cleaning.grips import GripPlanner, Step, plan_removal
 from cell.cleaning.look import Eyes, Look, look
+from cell.cleaning.lumps import lumps
 from cell.cleaning.pushes import Field, Push, PushPlanner
 from cell.cleaning.report import CleaningPlan, PictureCleaning, SeenOne
 from cell.cleaning.sight import LyingBlock, Playground
@@ -103,7 +105,7 @@ class PictureCleaner:
         state = _State(home=list(self._manipulator.recover()))
         view = self._look(state)
         first = self._planned(view, ())
-        total = len(self._lying(view.playground))
+        total = len(self._lying(view.playground)) + len(view.playground.strange)
         most_looks = _SPARE_LOOKS + _LOOKS_PER_BLOCK * total
         progress("putting back", 0, total)
         while state.looks < most_looks and self._round(view.playground, state, progress, total):
@@ -133,10 +135,10 @@ class PictureCleaner:
         """Do what the last look allows; return whether anything was tried."""
         todo, obstacles = self._split(ground, state)
         if not todo:
-            return False
+            return self._push_lump(ground, state)
         steps = plan_removal(todo, obstacles, self._grips).steps
         if not steps:
-            return self._push(todo, obstacles, state)
+            return self._push(todo, obstacles, state) or self._push_lump(ground, state)
         for step in steps:
             progress("putting back", len(state.home), max(total, len(state.home) + 1))
             if not self._take(step, state):
@@ -185,10 +187,23 @@ class PictureCleaner:
             return False
         state.pushes.append(_ends(push))
         try:
-            self._manipulator.push(push, self._set_slow, self._set_back)
+            self._manipulator.push(push.start, push.end, self._set_slow, self._set_back)
         except (MotionRefused, UnreachablePose):
             state.idle_pushes.append(_ends(push))
         return True
+
+    def _push_lump(self, ground: Playground, state: _State) -> bool:
+        """Push apart what may be blocks too close to be told; return whether that was tried."""
+        for lump, others in lumps(ground):
+            way = self._pushes.apart(lump, others, state.pushes)
+            if way is None:
+                continue
+            start, end = way
+            state.pushes.append(((start.x_mm, start.y_mm), (end.x_mm, end.y_mm)))
+            with suppress(MotionRefused, UnreachablePose):
+                self._manipulator.push(start, end, self._set_slow, self._set_back)
+            return True
+        return False
 
     @staticmethod
     def _judge_push(before: Playground, after: Playground, state: _State) -> None:

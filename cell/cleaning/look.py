@@ -113,7 +113,11 @@ def _strange(thing: UnknownThing, sight: TableSight) -> StrangeThing | None:
     if min(screen.outside_mm(float(x), float(y)) for x, y in corners) > -_LEAST_INSIDE_MM:
         return None
     return StrangeThing(
-        reason=thing.reason, x_mm=thing.x_mm, y_mm=thing.y_mm, edge=tuple(_edge(corners))
+        reason=thing.reason,
+        x_mm=thing.x_mm,
+        y_mm=thing.y_mm,
+        edge=tuple(_edge(corners)),
+        corners=tuple((float(x), float(y)) for x, y in corners),
     )
 
 

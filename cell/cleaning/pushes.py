@@ -27,6 +27,7 @@ _ROOM_MM = 4.0
 _STEP_MM = 3.0
 _WAYS_MM = (12.0, 24.0, 36.0, 51.0, 66.0)
 _CASCADE = 40
+_APART_MM = 22.0
 _TURNS = 12
 _LEAST_GAIN_MM = 1.0
 _FREED = 20.0
@@ -121,6 +122,65 @@ class PushPlanner:
                 spare = [self._room(index, after, obstacles) for index in range(len(after))]
                 return replace(push, frees=sum(one >= 0.0 for one in spare))
         return None
+
+    def apart(
+        self,
+        lump: Footprint,
+        others: Sequence[Body],
+        avoid: Sequence[tuple[Point, Point]] = (),
+    ) -> tuple[TablePlace, TablePlace] | None:
+        """Return a way across one end of a lump of blocks that could not be told apart.
+
+        Nobody knows what that does to it, so the way is short, touches nothing else, and
+        there is room for it all beyond.
+
+        Args:
+            lump: The least rectangle around it.
+            others: Everything else.
+            avoid: Starts and ends of ways that were gone before.
+        """
+        if any(self._field.outside_mm(x, y) > 0 for x, y in lump.polygon()):
+            return None
+        for direction_deg, reach_mm, beside_mm in self._ends_of(lump):
+            start = self._start(lump, direction_deg, reach_mm, beside_mm)
+            turn = math.radians(direction_deg)
+            cos, sin = math.cos(turn), math.sin(turn)
+            way = _ROOM_MM + _APART_MM
+            beyond = Footprint(
+                x_mm=lump.x_mm + 0.5 * _APART_MM * cos,
+                y_mm=lump.y_mm + 0.5 * _APART_MM * sin,
+                yaw_deg=direction_deg,
+                length_mm=2.0 * reach_mm + _APART_MM,
+                width_mm=lump.width_mm + lump.length_mm - 2.0 * reach_mm,
+            )
+            end = (start.x_mm + way * cos, start.y_mm + way * sin)
+            ends = ((start.x_mm, start.y_mm), end)
+            if (
+                not self._is_clear(start, (), others)
+                or any(push_out(beyond.polygon(), body.polygon()) for body in others)
+                or any(self._field.outside_mm(x, y) > 0 for x, y in beyond.polygon())
+                or any(_same(ends, old) for old in avoid)
+            ):
+                continue
+            yaw_deg = direction_deg - 90.0
+            way_start = TablePlace(x_mm=start.x_mm, y_mm=start.y_mm, yaw_deg=yaw_deg)
+            way_end = TablePlace(x_mm=end[0], y_mm=end[1], yaw_deg=yaw_deg)
+            if self._may_go(way_start, way_end):
+                return way_start, way_end
+        return None
+
+    @staticmethod
+    def _ends_of(lump: Footprint) -> Iterator[tuple[float, float, float]]:
+        """Yield ways across a rectangle near the ends of its sides, the long sides first."""
+        quarters = sorted(range(4), key=lambda quarter: quarter % 2 == 1)
+        if lump.length_mm > lump.width_mm:
+            quarters.reverse()
+        for quarter in quarters:
+            along = quarter % 2 == 0
+            half_mm = 0.5 * (lump.length_mm if along else lump.width_mm)
+            side_mm = lump.width_mm if along else lump.length_mm
+            for share in (0.28, -0.28):
+                yield lump.yaw_deg + 90.0 * quarter, half_mm, share * side_mm
 
     def _room(self, index: int, blocks: Sequence[LyingBlock], obstacles: Sequence[Body]) -> float:
         others = [b.body for i, b in enumerate(blocks) if i != index]

@@ -53,19 +53,21 @@ class LyingBlock:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StrangeThing:
-    """Something on the playground that is no block one could tell; nothing touches it.
+    """Something on the playground that is no block one could tell; it is never gripped.
 
     Attributes:
         reason: Why it was not recognised.
         x_mm: Robot x of its middle.
         y_mm: Robot y of its middle.
         edge: Small pieces that cover its outline; it need not be convex.
+        corners: Its outline.
     """
 
     reason: str
     x_mm: float
     y_mm: float
     edge: tuple[Outline, ...] = ()
+    corners: tuple[Point, ...] = ()
 
     @property
     def where(self) -> str:

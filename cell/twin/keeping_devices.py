@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from cell.devices.camera import CameraSettings
-from cell.errors import CellError
+from cell.errors import CellError, StateError
 from cell.pictures import PICTURE_NAMES
 from cell.twin.behind import Behind
 from cell.twin.cameras.flea2 import KeptRegisters
@@ -80,7 +80,11 @@ class DevicesFile:
                 f"{self._path} does not hold the twin's television and cameras; remove it to "
                 "start with a television in standby"
             ) from error
-        if kept.world != self._stamp():
+        try:
+            stamp = self._stamp()
+        except OSError:
+            return  # Without its world the file counts for nothing.
+        if kept.world != stamp:
             return
         behind.world.set_picture(kept.picture)
         behind.television.restore(kept.television)
@@ -90,7 +94,21 @@ class DevicesFile:
                 twin.body.registers.restore(camera.registers)
 
     def save(self, behind: Behind, now_s: float) -> None:
-        """Write the devices, after the world was written."""
+        """Write the devices, after the world was written.
+
+        Raises:
+            StateError: They cannot be written; what was kept before is still there.
+        """
+        try:
+            self._save(behind, now_s)
+        except OSError as error:
+            raise StateError(
+                f"the twin's television and cameras cannot be written to {self._path} "
+                f"({error.strerror or error}); free space on its disk, give {self._path.parent} "
+                "to the user who runs the cell, or move away a folder that has its name"
+            ) from error
+
+    def _save(self, behind: Behind, now_s: float) -> None:
         kept = KeptDevices(
             format=_FORMAT,
             world=self._stamp(),
