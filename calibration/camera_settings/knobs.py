@@ -158,7 +158,13 @@ class Knobs:
         return max(left - high, 0.0) + min(left - low, 0.0)
 
     def _shutter_for(self, wanted: float, shutter: Knob, gain: Knob) -> float:
-        """Return the longest shutter, in whole swings and a frame's time, at the least gain."""
+        """Return the longest shutter, in whole swings and a frame's time, at the least gain.
+
+        What the steps of a raw gain do is not known, so it stays as long as the shutter
+        reaches.
+        """
+        if not gain.is_absolute:
+            return shutter.at_log(wanted - gain.log)
         longest = shutter.at_log(wanted - gain.log_range[0])
         if not shutter.is_absolute:
             return longest
