@@ -59,15 +59,15 @@ class LensProfile(Table):
 
 
 class PlaceProfile(Table):
-    """Where a camera stands, in the robot frame."""
+    """Where a camera is: in the robot frame as its place, in the flange's frame as its mount."""
 
     position_mm: tuple[float, float, float]
     """Where the lens is."""
     rotation_deg: tuple[float, float, float]
-    """A, B, C of robot-from-camera, R = Rz(C)·Ry(B)·Rx(A); the camera looks along its z."""
+    """A, B, C of frame-from-camera, R = Rz(C)·Ry(B)·Rx(A); the camera looks along its z."""
 
     def transform(self) -> Transform:
-        """Return robot-from-camera."""
+        """Return robot-from-camera of a place, flange-from-camera of a mount."""
         return Transform.from_pose(Pose(*self.position_mm, *self.rotation_deg))
 
 
@@ -109,6 +109,9 @@ class CameraProfile(Table):
     """Its lens, if it was measured; with `place` it takes the place of `plane_map`."""
     place: PlaceProfile | None = None
     """Where it stands, if that was measured; only for a camera that does not move."""
+    mount: PlaceProfile | None = None
+    """Where it hangs on the arm's flange, if that was measured; in the flange's frame, and only
+    for a camera that moves with it."""
 
     def settings_for(self, *, are_lights_on: bool) -> CameraSettings:
         """Return the settings for a state of the cell's lights."""
