@@ -156,17 +156,14 @@ class ColourModel:
         features[:, 2] -= 0.0 if light is None else math.log(light)
         spread = self.light_spread**2 if light is None else 0.0
         levels = np.maximum(np.asarray(rgb, np.float64), _LEAST_LEVEL)
-        distances, costs = [], []
-        for one in self.classes:
-            covariance = np.array(one.covariance)
-            covariance[2, 2] += spread
-            joint = covariance + _noise_covariance(levels, noise)
-            offset = features - np.array(one.mean)
-            solved = np.linalg.solve(joint, offset[..., None])[..., 0]
-            squared = np.einsum("ij,ij->i", offset, solved)
-            distances.append(np.sqrt(squared))
-            costs.append(squared + np.linalg.slogdet(joint)[1])
-        return np.stack(distances, axis=1), np.stack(costs, axis=1)
+        means = np.array([one.mean for one in self.classes])
+        own = np.array([one.covariance for one in self.classes])
+        own[:, 2, 2] += spread
+        joint = own[None] + _noise_covariance(levels, noise)[:, None]
+        offset = features[:, None] - means
+        solved = np.linalg.solve(joint, offset[..., None])[..., 0]
+        squared = (offset * solved).sum(axis=-1)
+        return np.sqrt(squared), squared + np.linalg.slogdet(joint)[1]
 
     def light_of(self, rgb: Rgb, colour: str) -> float:
         """Return the level of the lamps that a face of this colour tells, 1 for the model's.

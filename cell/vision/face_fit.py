@@ -183,7 +183,7 @@ class _Batch:
     def _sampled(self, points_mm: Points) -> Points:
         """Return the picture's colours (n, ..., 3) at robot points (n, ..., 2)."""
         flat = points_mm.reshape(len(points_mm), -1, 2)
-        pixels = np.einsum("nij,nmj->nmi", self._maps[:, :, :2], flat) + self._maps[:, None, :, 2]
+        pixels = flat @ np.swapaxes(self._maps[:, :, :2], 1, 2) + self._maps[:, None, :, 2]
         places = np.ascontiguousarray(pixels, np.float32)
         values = cv2.remap(  # type: ignore[call-overload]
             self._picture, places, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
@@ -241,8 +241,9 @@ class _Batch:
         slopes = np.concatenate([normals, lever[..., None], -np.ones((*lever.shape, 1))], axis=2)
         # An edge at `miss` beyond the outline is one that the inset has not moved yet.
         wanted = miss + state[:, 3:4]
-        normal = np.einsum("nmi,nm,nmj->nij", slopes, weight, slopes)
-        right = np.einsum("nmi,nm,nm->ni", slopes, weight, wanted)
+        weighted = np.swapaxes(slopes * weight[..., None], 1, 2)
+        normal = weighted @ slopes
+        right = (weighted @ wanted[..., None])[..., 0]
         prior = 1.0 / (_INSET_DEVIATION_MM / _SAMPLE_DEVIATION_MM) ** 2
         normal[:, 3, 3] += prior
         right[:, 3] += prior * (_INSET_MM - state[:, 3])

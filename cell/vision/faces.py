@@ -28,6 +28,7 @@ _GROW_SHARE = 0.06
 _LEAST_SEED_SHARE = 0.12
 _MOST_FACES = 16.0
 _REFUSED = 4
+_MOST_SEED_PX = 400
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,10 +69,9 @@ def faces(small: Pixels, looked_at: Pixels, model: ColourModel, least_px: float)
         least_px: Area of the smallest block's face in the half-size picture.
     """
     labels = model.label_table[label_index(small)]
-    labels[_uneven(small) | (looked_at == 0)] = 0
-    count, parts, stats, _ = cv2.connectedComponentsWithStats(
-        (labels > 0).astype(np.uint8), connectivity=4
-    )
+    even = cv2.bitwise_and(_even(small), looked_at)
+    seeds = cv2.min(labels, even)
+    count, parts, stats, _ = cv2.connectedComponentsWithStats(seeds, connectivity=4)
     field = small.copy()
     height, width = small.shape[:2]
     taken = np.zeros((height + 2, width + 2), np.uint8)
@@ -95,8 +95,11 @@ def _grown(
     """Yield the face that a patch is the seed of, if it is not taken and of a block's size."""
     left, top = corner
     rows, columns = np.nonzero(patch)
+    centre = len(rows) // 2
+    if taken[top + rows[centre] + 1, left + columns[centre] + 1]:
+        return
     pixels = field[top + rows, left + columns]
-    middle = np.median(pixels, axis=0)
+    middle = pixels[:: max(1, len(pixels) // _MOST_SEED_PX)].mean(axis=0)
     nearest = int(np.argmin(np.abs(pixels.astype(np.float64) - middle).sum(axis=1)))
     seed = (left + int(columns[nearest]), top + int(rows[nearest]))
     if taken[seed[1] + 1, seed[0] + 1]:
@@ -130,9 +133,10 @@ def _grown(
     )
 
 
-def _uneven(small: Pixels) -> NDArray[np.bool_]:
-    """Return where levels differ within a small window."""
+def _even(small: Pixels) -> Pixels:
+    """Return 255 where levels differ little within a small window."""
     kernel = np.ones((_FLAT_WINDOW_PX, _FLAT_WINDOW_PX), np.uint8)
     spread = cv2.subtract(cv2.dilate(small, kernel), cv2.erode(small, kernel))
     red, green, blue = cv2.split(spread)
-    return np.asarray(cv2.max(cv2.max(red, green), blue)) > _FLAT_LEVELS
+    most = cv2.max(cv2.max(red, green), blue)
+    return np.asarray(cv2.threshold(most, _FLAT_LEVELS, 255, cv2.THRESH_BINARY_INV)[1], np.uint8)

@@ -249,8 +249,10 @@ def _refined(grey: NDArray[np.uint8], corners: Points) -> Points:
     OpenCV's own refinement draws corners inwards (0.2 px and more, by blur), because only
     one quadrant of a marker's corner is black; a straight edge has no such bias.
     """
-    side = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).min()
-    half = int(np.clip(side / 12.0, _LEAST_WINDOW_PX, _MOST_WINDOW_PX))
+    side = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).max()
+    # The smaller height of the seen square: the window must not reach the marker's bits.
+    height = cv2.contourArea(corners.astype(np.float32)) / float(side)
+    half = int(np.clip(height / 14.0, _LEAST_WINDOW_PX, _MOST_WINDOW_PX))
     lines = [
         _edge_line(grey, start, end, half)
         for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True)

@@ -312,8 +312,9 @@ class _Look:
             return [], None
         means = np.array([face.mean_rgb for face, _ in kept])
         guesses = self._model.colours.classify_all(means, light=light)
-        for (face, is_group), guess in zip(kept, guesses, strict=True):
-            block = self._block(face, guess, is_group)
+        outlines = self._outlines_px([face for face, _ in kept])
+        for (face, is_group), guess, outline in zip(kept, guesses, outlines, strict=True):
+            block = self._block(face, guess, outline, is_group)
             if block is not None:
                 blocks.append(block)
         return blocks, light
@@ -331,8 +332,9 @@ class _Look:
         ]
         return float(np.median(told)) if told else None
 
-    def _block(self, face: FittedFace, guess: ColourGuess, is_group: bool) -> FoundBlock | None:
-        outline = self._outline_px(face)
+    def _block(
+        self, face: FittedFace, guess: ColourGuess, outline: Points, is_group: bool
+    ) -> FoundBlock | None:
         if guess.colour is None:
             self._add_unknown(guess.reason, outline)
             return None
@@ -355,9 +357,14 @@ class _Look:
             touches=is_group,
         )
 
-    def _outline_px(self, face: FittedFace) -> Points:
-        corners = turned(face.shape.outline_mm, face.angle_rad) + (face.x_mm, face.y_mm)
-        return self._sight.view.to_picture(corners, self._sight.top_mm)
+    def _outlines_px(self, found: Sequence[FittedFace]) -> list[Points]:
+        """Return the outlines of faces in the picture, all projected at once."""
+        corners = [
+            turned(face.shape.outline_mm, face.angle_rad) + (face.x_mm, face.y_mm) for face in found
+        ]
+        pixels = self._sight.view.to_picture(np.concatenate(corners), self._sight.top_mm)
+        ends = np.cumsum([len(one) for one in corners])[:-1]
+        return [np.asarray(part) for part in np.split(pixels, ends)]
 
     def _explain_dark(self, black: Pixels, white: Pixels, blocks: Sequence[FoundBlock]) -> None:
         """Report what hides the lit screen and is no block found."""
@@ -369,7 +376,7 @@ class _Look:
         corners = (self._sight.panel_px(-inset_mm) + 0.5) / PITCH_PX - 0.5
         cv2.fillConvexPoly(panel, np.rint(corners * 16.0).astype(np.int32), 255, cv2.LINE_8, 4)
         looked_at = cv2.bitwise_and(panel, self._area.mask) > 0
-        screen_level = float(np.percentile(levels[looked_at][::7], 80.0))
+        screen_level = float(np.percentile(levels[::5, ::5][looked_at[::5, ::5]], 80.0))
         if screen_level < _LEAST_SCREEN_LEVEL:
             raise VisionError(
                 "the screen is off or shows the same in both pictures: white minus black is "
