@@ -112,9 +112,10 @@ class PictureCleaner:
             before, view = view, self._look(state)
             self._judge_push(before.playground, view.playground, state)
         progress("putting back", len(state.home), max(total, len(state.home)))
+        left = self._left(view, state)
         return PictureCleaning(
             home=tuple(state.home),
-            left=self._left(view, state),
+            left=left,
             pushes=len(state.pushes),
             looks=state.looks,
             plan=first,
@@ -255,8 +256,8 @@ class PictureCleaner:
                 tried = self._failures(one.block, state)
                 why = tried[-1] if tried else one.why_not or "not tried any more"
                 left.append(
-                    f"{one.block.name} at {one.block.where}: {why}; put it into its slot, or apart "
-                    "from everything, by hand"
+                    f"{one.block.name} at {one.block.where}: {why}; put it into a free slot, "
+                    "or apart from everything, by hand"
                 )
         return (*left, *self._unseen(view.playground, state))
 

@@ -36,7 +36,7 @@ class LyingBlock:
     @property
     def where(self) -> str:
         """Its middle, for people."""
-        return f"({self.body.x_mm:.0f}, {self.body.y_mm:.0f}) mm"
+        return f"({round(self.body.x_mm)}, {round(self.body.y_mm)}) mm"
 
     @property
     def name(self) -> str:
@@ -72,7 +72,7 @@ class StrangeThing:
     @property
     def where(self) -> str:
         """Its middle, for people."""
-        return f"({self.x_mm:.0f}, {self.y_mm:.0f}) mm"
+        return f"({round(self.x_mm)}, {round(self.y_mm)}) mm"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

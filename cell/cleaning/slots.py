@@ -104,9 +104,7 @@ class FreeSlots:
             if not self._manipulator.feels_block(number):
                 return number
             self._full.add(number)
-        raise StoreError(
-            f"the store has no free slot for a {block.name}; empty one, or take the block away"
-        )
+        raise StoreError(f"the store has no free slot for a {block.name}")
 
     def _fits(self, number: int, block: LyingBlock) -> bool:
         slot = next((s for s in self._plan.slots if s.number == number), None)

@@ -8,6 +8,7 @@ import pytest
 
 from cell.errors import StateError
 from cell.twin.keeping import WorldFile
+from cell.twin.keeping_devices import DevicesFile
 from tests.cell.doctor.ward import mash, twin
 
 
@@ -29,4 +30,19 @@ def test_a_world_that_cannot_be_written_says_where_and_what_to_do(tmp_path: Path
     for path in (tmp_path / "world.json", tmp_path / "nowhere" / "world.json"):
         with pytest.raises(StateError, match=r"cannot be written to .*world\.json .*free space"):
             WorldFile(path).save(cell.world, 0.0)
+    cell.dispose()
+
+
+def test_devices_that_cannot_be_written_say_where_and_what_to_do(tmp_path: Path) -> None:
+    cell = twin(mash())
+    world = tmp_path / "world.json"
+    file = DevicesFile(tmp_path / "devices.json", world)
+    with pytest.raises(StateError, match=r"cannot be written to .*devices\.json .*free space"):
+        file.save(cell.behind, 0.0)
+    WorldFile(world).save(cell.world, 0.0)
+    file.save(cell.behind, 0.0)
+    (tmp_path / "devices.json").unlink()
+    (tmp_path / "devices.json").mkdir()
+    with pytest.raises(StateError, match="move away a folder that has its name"):
+        file.save(cell.behind, 0.0)
     cell.dispose()
