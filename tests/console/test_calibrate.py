@@ -19,6 +19,7 @@ from calibration.pictures import decode_png
 from cell.ledger import Ledger
 from cell.profile import load_profile
 from console.asking import TerminalAsker
+from dsl.library import library_script
 from tests.calibration.sample_procedures import CYLINDER, ENTRIES
 from tests.console.cli import environment
 from tests.console.hands import Cell, caller
@@ -290,6 +291,42 @@ def test_the_same_procedure_is_played_by_one_at_a_time(cell: Cell, state: Path) 
         said = cell("calibrate", "typed", "--set", "origin=700 -260")
     assert said.code == 3
     assert f"already going on, in process {os.getpid()}" in said.err
+
+
+def test_a_server_tells_what_is_in_force_and_what_its_cell_demands(
+    cell: Cell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from cell.profile import profile_text
+    from console.calibrating import with_calibrations
+    from console.serve import _tell_calibrations
+
+    cell("calibrate", "typed", "--set", "origin=700 -260")
+    (tmp_path / "mine.toml").write_text(f"{profile_text('mash')}\n[demands]\nlattice = 0.1\n")
+    _tell_calibrations(with_calibrations(load_profile(str(tmp_path / "mine.toml"))))
+    told = capsys.readouterr().err.splitlines()
+    assert told[0].startswith("lattice of cell: OK, 0.5 mm held out, measured ")
+    assert told[0].partition("(")[2].startswith("now), ")
+    assert "no task will begin" in told[1]
+    assert "0.1 mm are demanded, but the lattice of cell has 0.5 mm (held out)" in told[1]
+
+
+def test_a_check_of_a_script_tells_what_the_cell_is_not_known_well_enough_for(
+    cell: Cell, tmp_path: Path
+) -> None:
+    text = library_script("mash").replace(
+        "goal ReachRedCube {\n", "goal ReachRedCube {\n  accuracy 2 mm\n"
+    )
+    (tmp_path / "fine.cell").write_text(text)
+    said = cell("check", "fine.cell")
+    assert said.code == 1
+    assert "where the lattice lies is not known: no calibration is kept" in said.out
+    assert "  accuracy 2 mm\n" in said.out
+    assert "^^^^^^^^^^^^^" in said.out
+    cell("calibrate", "typed", "--set", "origin=710 -265")
+    cell("calibrate", "laid")
+    assert cell("check", "fine.cell").code == 0
+    cell("calibrate", "laid", "--set", "shift=1.6")
+    assert "the homography of top has 3.1 mm (held out)" in cell("check", "fine.cell").out
 
 
 def lines(*words: str) -> Callable[[str], str]:
