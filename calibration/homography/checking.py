@@ -24,24 +24,16 @@ def check_homography(site: Site, record: CalibrationRecord) -> Procedure:
     profile = playground_profile(site)
     known = knowledge_of(site, record.subject)
     own = profile.store.calibration
-    if known.before is None:
-        raise CalibrationError(f"camera {record.subject} has no map to check")
     limit_mm = yield from ask_number("quality", "Most that is good?", unit="mm", default=1.5)
     count = int((yield from ask_number("fresh", "How many fresh points?", default=3)))
     if count < 1:
         raise CalibrationError("a check needs one fresh point or more")
-    found = list((yield from automatic_features(record.subject)))
     guid = record.details.get("guid")
     if guid != known.guid:
-        found.append(
-            Finding(
-                code="wrong-camera",
-                grade=Grade.BAD,
-                text=f"it was measured with the camera {guid}, the profile has {known.guid} as "
-                f"{record.subject} now",
-                hint="put the cameras back where they were, or calibrate again",
-            )
-        )
+        return _another_camera(record, str(guid), known.guid)
+    if known.before is None:
+        raise CalibrationError(f"camera {record.subject} has no map to check")
+    found = list((yield from automatic_features(record.subject)))
     by_arm = own is not None and profile.arm.enabled and profile.gripper.enabled
     sampler = Sampler(
         known=known,
@@ -60,6 +52,25 @@ def check_homography(site: Site, record: CalibrationRecord) -> Procedure:
     if sampler.slot is not None:
         yield from return_block(sampler.slot)
     return _compared(record, sampler, pairs, found, limit_mm)
+
+
+def _another_camera(record: CalibrationRecord, then: str, now: str) -> Measurement:
+    return Measurement(
+        kind=record.kind,
+        subject=record.subject,
+        method=f"the camera of {record.identity[:8]} held against the profile",
+        findings=(
+            Finding(
+                code="wrong-camera",
+                grade=Grade.BAD,
+                text=f"it was measured with the camera {then}, the profile has {now} as "
+                f"{record.subject} now",
+                hint="put the cameras back where they were, or calibrate again",
+            ),
+        ),
+        based_on=(record.identity,),
+        not_known=("whether the map holds: nothing was measured",),
+    )
 
 
 def _compared(

@@ -14,6 +14,9 @@ from calibration.verdict import Finding, Grade
 SURE = 0.999
 """Share of sound calibrations that are not called noisy."""
 
+_CLEAR = 8.0
+_CLEARLY_LESS = 0.25
+
 
 def judge_noise(
     pairs: Pairs, known: CameraKnowledge, noise: PairNoise, *, by_arm: bool
@@ -23,16 +26,18 @@ def judge_noise(
     if total is None or total[0] <= chi_square_quantile(SURE, total[1]):
         return ()
     suspects: list[tuple[float, int]] = []
+    allowed = _CLEARLY_LESS * total[0]
     for index in range(len(pairs.labels)):
         rest = _chi_square(pairs.without(index), known, noise)
-        if rest is not None and rest[0] <= chi_square_quantile(SURE, rest[1]):
+        if rest is not None:
             suspects.append((rest[0], index))
+            allowed = max(allowed, chi_square_quantile(SURE, rest[1]))
     suspects.sort()
-    is_clear = bool(suspects) and (
-        len(suspects) == 1 or suspects[1][0] > 2.0 * suspects[0][0] + 5.0
-    )
-    if is_clear:
-        return (_named(pairs, suspects[0][1], known, noise, by_arm=by_arm),)
+    # Twice the difference of chi squares is what speaks for one suspect against the next.
+    if len(suspects) > 1 and suspects[0][0] <= allowed:
+        best, second = suspects[0][0], suspects[1][0]
+        if second - best > max(_CLEAR, best):
+            return (_named(pairs, suspects[0][1], known, noise, by_arm=by_arm),)
     ratio = float(np.sqrt(total[0] / total[1]))
     return (
         Finding(

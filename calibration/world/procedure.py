@@ -95,8 +95,9 @@ def judged(
     try:
         fit = fit_lattice(cells, points_mm, step_mm=step_mm)
     except FitFailed as error:
-        undetermined = Finding(code="undetermined", grade=Grade.BAD, text=str(error))
-        return _measurement(None, None, cells, points_mm, (undetermined,), way)
+        reason = Finding(code="undetermined", grade=Grade.BAD, text=str(error))
+        named = _misorder(cells, points_mm) or (reason,)
+        return _measurement(None, None, cells, points_mm, named, way)
     findings = [*_mistakes(cells, points_mm, fit, profile.lattice.step_mm)]
     findings += judge_world(profile, fit.lattice, *size, camera)
     return _measurement(fit.lattice, fit, cells, points_mm, findings, way, step_mm)
@@ -121,22 +122,9 @@ def _mistakes(
                 ),
             )
         return ()
-    mirrored = fit_lattice(cells[:, ::-1], points_mm)
-    if float(np.hypot(*mirrored.residuals_mm.T).max()) <= _USUAL_MM:
-        return (
-            _bad("mirrored-order", "the points fit with lattice x and y exchanged",
-                 "UP is +y: give the points as (x, y)"),
-        )  # fmt: skip
-    for i in range(len(cells)):
-        for j in range(i):
-            order = np.arange(len(cells))
-            order[i], order[j] = j, i
-            swapped = fit_lattice(cells[order], points_mm)
-            if len(cells) > 2 and float(np.hypot(*swapped.residuals_mm.T).max()) <= _USUAL_MM:
-                return (
-                    _bad("swapped-pairs", f"point {j + 1} and point {i + 1} are exchanged",
-                         "exchange them", f"point {j + 1}", f"point {i + 1}"),
-                )  # fmt: skip
+    named = _misorder(cells, points_mm)
+    if named:
+        return named
     for i in range(len(cells)):
         if len(cells) < 4:
             break
@@ -151,6 +139,33 @@ def _mistakes(
         _bad("inconsistent-pairs", f"the points do not lie on a lattice: they are up to "
              f"{float(miss.max()):.1f} mm off", "take them again, one by one"),
     )  # fmt: skip
+
+
+def _misorder(cells: Points, points_mm: Points) -> tuple[Finding, ...]:
+    """Name an order of the points in which they fit, if that is not the given one."""
+    if _fits(cells[:, ::-1], points_mm):
+        return (
+            _bad("mirrored-order", "the points fit with lattice x and y exchanged",
+                 "UP is +y: give the points as (x, y), in the order they are touched"),
+        )  # fmt: skip
+    for i in range(len(cells)):
+        for j in range(i):
+            order = np.arange(len(cells))
+            order[i], order[j] = j, i
+            if len(cells) > 2 and _fits(cells[order], points_mm):
+                return (
+                    _bad("swapped-pairs", f"point {j + 1} and point {i + 1} are exchanged",
+                         "exchange them", f"point {j + 1}", f"point {i + 1}"),
+                )  # fmt: skip
+    return ()
+
+
+def _fits(cells: Points, points_mm: Points) -> bool:
+    try:
+        fit = fit_lattice(cells, points_mm, noise_mm=1.0)
+    except FitFailed:
+        return False
+    return float(np.hypot(*fit.residuals_mm.T).max()) <= _USUAL_MM
 
 
 def _touched() -> Steps[tuple[Points, Points]]:

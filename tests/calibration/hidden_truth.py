@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.geometry import CameraView, LensModel, Pose, Transform
-from cell.profile import DisplayProfile, Profile, TwinCameraProfile, TwinProfile
+from cell.profile import DisplayProfile, LensProfile, Profile, TwinCameraProfile, TwinProfile
 
 PLAYGROUND_CORNERS_MM = ((300.0, -350.0), (700.0, -350.0), (700.0, 300.0), (300.0, 300.0))
 """Between them accuracy is stated."""
@@ -68,6 +68,16 @@ def view_of(camera: TwinCameraProfile) -> CameraView:
         ),
         Transform.from_pose(Pose(*camera.position_mm, *camera.rotation_deg)),
     )
+
+
+def with_true_lens(profile: Profile, truth: Profile) -> Profile:
+    """Return a profile that knows the top camera's lens as it really is, but not its place."""
+    own = truth.twin.cameras["top"]
+    lens = LensProfile(
+        focal_px=(own.focal_px, own.focal_px), centre_px=own.centre_px, k1=own.k1, k2=own.k2
+    )
+    top = profile.cameras["top"].model_copy(update={"lens": lens})
+    return profile.model_copy(update={"cameras": {**profile.cameras, "top": top}})
 
 
 def block_top_mm(profile: Profile) -> float:

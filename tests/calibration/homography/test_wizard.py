@@ -5,25 +5,21 @@ import numpy as np
 from calibration.applying import calibrated_profile
 from calibration.homography.procedure import calibrate_homography
 from calibration.record import Measurement, make_record
-from cell.profile import LensProfile, Profile, load_profile
-from tests.calibration.hidden_truth import block_top_mm, hidden, playground_grid, true_view
+from cell.profile import Profile, load_profile
+from tests.calibration.hidden_truth import (
+    block_top_mm,
+    hidden,
+    playground_grid,
+    true_view,
+    with_true_lens,
+)
 from tests.calibration.moment import MOMENT
 from tests.calibration.playing import codes, played, rms, site_of, twin_of
 
 TOP = 71.5
 
 
-def with_true_lens(profile: Profile, truth: Profile) -> Profile:
-    """Return a profile that knows the top camera's lens, as the lens procedure gives it."""
-    own = truth.twin.cameras["top"]
-    lens = LensProfile(
-        focal_px=(own.focal_px, own.focal_px), centre_px=own.centre_px, k1=own.k1, k2=own.k2
-    )
-    top = profile.cameras["top"].model_copy(update={"lens": lens})
-    return profile.model_copy(update={"cameras": {**profile.cameras, "top": top}})
-
-
-def errors_mm(profile: Profile, found: Measurement, truth: Profile) -> np.ndarray:  # type: ignore[type-arg]
+def errors_mm(profile: Profile, found: Measurement, truth: Profile) -> np.ndarray:
     record = make_record(found, cell=profile.name, measured_at=MOMENT, versions={}, answers={})
     calibrated = calibrated_profile(profile, [record])
     view = calibrated.cameras["top"].view(TOP)
