@@ -7,7 +7,6 @@ and Brown's radial coefficients k1 and k2.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -163,11 +162,4 @@ def _start(points: Points, pixels: Points, focal_px: float) -> Vector | None:
 
 def _rotation(turn: Vector) -> Points:
     """Return the matrix of a rotation vector (Rodrigues)."""
-    x, y, z = (float(k) for k in turn)
-    angle = math.sqrt(x * x + y * y + z * z)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    if angle < 1e-9:
-        return np.asarray(np.eye(3) + cross)
-    a = math.sin(angle) / angle
-    b = (1.0 - math.cos(angle)) / (angle * angle)
-    return np.asarray(np.eye(3) + a * cross + b * (cross @ cross))
+    return np.asarray(cv2.Rodrigues(np.asarray(turn, np.float64))[0], np.float64)

@@ -205,6 +205,7 @@ class ScreenFit:
         return np.asarray(np.einsum("nik,kl,njl->nij", slopes, covariance, slopes))
 
 
+_CONDENSED: Final = 400
 LEAST_DEVIATION_PX: Final = 0.05
 """Dense places lie closer to a fit than the model is true; no better is believed."""
 
@@ -219,34 +220,79 @@ def fit_screen(given: Observations) -> ScreenFit:
     for block in given.blocks:
         start += block.robot_mm
     deviation: dict[str, float] = {}
-    alone: dict[str, Vector] = {}
+    condensed: dict[str, _Condensed] = {}
     for name, seen in given.seen.items():
         found = model.fit_alone(seen, given.screen.pixel_mm, given.prior(name), LEAST_DEVIATION_PX)
-        alone[name] = found.parameters
         off = found.residuals[: 2 * len(seen)] * LEAST_DEVIATION_PX
         deviation[name] = max(float(np.sqrt(np.mean(off**2))), LEAST_DEVIATION_PX)
+        condensed[name] = _condensed(seen, found.parameters, given.screen.pixel_mm, deviation[name])
         start += found.parameters.tolist()
-    problem = _Problem(given, deviation)
+    problem = _Problem(given, condensed)
     begin = np.array(start)
     begin[:_SCREEN] = problem.first_guess(begin)
     result = fit(
         problem.residuals, begin, jacobian=problem.jacobian, is_noise_known=True, tolerance=1e-9
     )
-    rms = {
-        name: float(np.sqrt(np.mean(problem.dense(result.parameters, name) ** 2))) * deviation[name]
-        for name in given.cameras
-    }
+    rms = {name: _rms_px(given, result.parameters, name) for name in given.cameras}
     return ScreenFit(given=given, fit=result, rms_px=rms, deviation_px=deviation)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Condensed:
+    """Neighbouring places of the screen, averaged.
+
+    Attributes:
+        points: Their middles on the glass, screen frame, (n, 3).
+        pixels: Where they are seen, (n, 2).
+        deviation_px: Standard deviation of each along an axis, (n, 1).
+    """
+
+    points: Points
+    pixels: Points
+    deviation_px: Points
+
+
+def _condensed(
+    seen: Correspondences, camera: Vector, pixel_mm: float, deviation_px: float
+) -> _Condensed:
+    """Return places averaged over squares of the picture.
+
+    What is averaged are distances from a camera that fits already: the bend of lens and
+    perspective within a square cancels, and no information is lost.
+    """
+    points = model.on_glass(seen.places, pixel_mm)
+    off = seen.pixels - model.project(camera, points)
+    side = max(np.sqrt(np.prod(np.ptp(seen.pixels, axis=0)) / _CONDENSED), 1.0)
+    column, row = (seen.pixels // side).astype(int).T
+    _, group = np.unique(row * 100_000 + column, return_inverse=True)
+    count = np.bincount(group).astype(np.float64)
+
+    def mean(values: Points) -> Points:
+        sums = [np.bincount(group, values[:, k]) for k in range(values.shape[1])]
+        return np.asarray(np.stack(sums, axis=1) / count[:, None])
+
+    middles = mean(points)
+    return _Condensed(
+        points=middles,
+        pixels=model.project(camera, middles) + mean(off),
+        deviation_px=deviation_px / np.sqrt(count)[:, None],
+    )
+
+
+def _rms_px(given: Observations, parameters: Vector, name: str) -> float:
+    """Return the distance of a camera's places from where the fit puts them, along an axis."""
+    seen = given.seen[name]
+    points = model.on_glass(seen.places, given.screen.pixel_mm)
+    off = model.project(given.camera(parameters, name), points) - seen.pixels
+    return float(np.sqrt(np.mean(off**2)))
 
 
 class _Problem:
     """Residuals in standard deviations, and their slopes camera by camera."""
 
-    def __init__(self, given: Observations, deviation_px: Mapping[str, float]) -> None:
+    def __init__(self, given: Observations, dense: Mapping[str, _Condensed]) -> None:
         self._given = given
-        self._deviation_px = deviation_px
-        pixel_mm = given.screen.pixel_mm
-        self._glass = {n: model.on_glass(s.places, pixel_mm) for n, s in given.seen.items()}
+        self._condensed = dense
 
     def residuals(self, parameters: Vector) -> Vector:
         dense = [self.dense(parameters, name) for name in self._given.cameras]
@@ -291,8 +337,9 @@ class _Problem:
         return _procrustes(np.array(screen), np.array(robot))
 
     def _dense(self, camera: Vector, name: str) -> Vector:
-        off = model.project(camera, self._glass[name]) - self._given.seen[name].pixels
-        return (off / self._deviation_px[name]).ravel()
+        dense = self._condensed[name]
+        off = model.project(camera, dense.points) - dense.pixels
+        return np.asarray((off / dense.deviation_px).ravel())
 
     def _sparse(self, parameters: Vector) -> Vector:
         given = self._given

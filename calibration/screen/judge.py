@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 
 from calibration.screen import camera_model as model
 from calibration.screen.decode import Correspondences, ScreenMap
-from calibration.screen.held_out import LeftOut
-from calibration.screen.joint_fit import Observations, ScreenFit
+from calibration.screen.held_out import LeftOut, left_out
+from calibration.screen.joint_fit import Observations, ScreenFit, fit_screen
 from calibration.screen.region import playground_grid
 from calibration.statistics import chi_square_quantile
 from calibration.verdict import Finding, Grade
@@ -33,6 +34,8 @@ _LEAST_SCALE = 0.003
 _TURNED_DEG = 20.0
 _AUTO: tuple[str, ...] = ("shutter", "gain", "exposure", "white_balance_red", "white_balance_blue")
 _ODD_ONE = 4.0
+_LEAST_SCATTER_MM = 0.1
+_BAD_POINT_MM = 3.0
 
 
 def judge_features(camera: str, features: Sequence[CameraFeature]) -> tuple[Finding, ...]:
@@ -155,7 +158,7 @@ def judge_fit(found: ScreenFit, points: Sequence[LeftOut]) -> tuple[Finding, ...
                 hint="place blocks or touch points (way = blocks or touch)",
             )
         )
-    return (*findings, *_judge_points(points))
+    return (*findings, *_judge_points(found, points))
 
 
 def coverage(view: CameraView, seen: Correspondences, top_mm: float) -> float:
@@ -230,17 +233,15 @@ def predicted_mm(found: ScreenFit, camera: str) -> tuple[float, float]:
     return float(np.sqrt(spread.mean())), float(axis.max())
 
 
-def _judge_points(points: Sequence[LeftOut]) -> list[Finding]:
-    odd = [p for p in points if p.distance_mm > _ODD_ONE * max(p.expected_mm, 0.1)]
-    if not odd or len(points) < 3:
+def _judge_points(found: ScreenFit, points: Sequence[LeftOut]) -> list[Finding]:
+    worst = _worst(points)
+    if worst is None:
         return []
-    worst = max(odd, key=lambda p: p.distance_mm)
-    others = [p.distance_mm for p in points if p is not worst]
-    is_alone = max(others) < 0.6 * worst.distance_mm
+    is_alone = _is_alone(found, worst)
     return [
         Finding(
             code="misplaced-point" if is_alone else "points-disagree",
-            grade=Grade.BAD if worst.distance_mm > 3.0 else Grade.DEGRADED,
+            grade=Grade.BAD if worst.distance_mm > _BAD_POINT_MM else Grade.DEGRADED,
             text=f"{worst.label} lies {worst.distance_mm:.2f} mm from where all others put it; "
             f"{worst.expected_mm:.2f} mm along an axis would be usual",
             hint="see whether the block slipped, or the point was mistyped, and take it again"
@@ -249,6 +250,23 @@ def _judge_points(points: Sequence[LeftOut]) -> list[Finding]:
             samples=(worst.label,),
         )
     ]
+
+
+def _worst(points: Sequence[LeftOut]) -> LeftOut | None:
+    """Return the point farthest off, None if none lies farther than it may."""
+    odd = [p for p in points if p.distance_mm > _ODD_ONE * max(p.expected_mm, _LEAST_SCATTER_MM)]
+    return max(odd, key=lambda p: p.distance_mm) if odd and len(points) > 2 else None
+
+
+def _is_alone(found: ScreenFit, worst: LeftOut) -> bool:
+    """Tell whether all others agree without a point."""
+    given = found.given
+    rest = replace(
+        given,
+        touches=[touch for touch in given.touches if touch.label != worst.label],
+        blocks=[block for block in given.blocks if block.label != worst.label.split(" (")[0]],
+    )
+    return len(rest.touches) + len(rest.blocks) > 2 and _worst(left_out(fit_screen(rest))) is None
 
 
 def _pairs(given: Observations, views: dict[str, CameraView]) -> tuple[Points, Points, list[float]]:
