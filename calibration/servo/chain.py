@@ -87,8 +87,15 @@ def turn_between(rotations: Array, others: Array) -> Array:
 
 
 def rotations_of(poses: Sequence[Pose]) -> Array:
-    """Return the rotations (n, 3, 3) of poses."""
-    return np.array([_matrix(Transform.from_pose(pose))[:3, :3] for pose in poses])
+    """Return the rotations (n, 3, 3) of poses, R = Rz(c) · Ry(b) · Rx(a)."""
+    angles = np.radians([(pose.a_deg, pose.b_deg, pose.c_deg) for pose in poses])
+    (sa, sb, sc), (ca, cb, cc) = np.sin(angles).T, np.cos(angles).T
+    rows = (
+        (cc * cb, cc * sb * sa - sc * ca, cc * sb * ca + sc * sa),
+        (sc * cb, sc * sb * sa + cc * ca, sc * sb * ca - cc * sa),
+        (-sb, cb * sa, cb * ca),
+    )
+    return np.array(rows).transpose(2, 0, 1)
 
 
 def _matrix(transform: Transform) -> Array:

@@ -375,7 +375,7 @@ def _least(
         return np.concatenate([matrix, held])[:, free]
 
     return fit(
-        residuals, start[free], jacobian=slopes, is_noise_known=True, tolerance=1e-7, steps=steps
+        residuals, start[free], jacobian=slopes, is_noise_known=True, tolerance=1e-5, steps=steps
     )
 
 

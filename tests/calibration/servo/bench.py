@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calibration.servo.chain import MarkerChain
 from calibration.servo.samples import BACK, TOP, MarkerNoise, Sight
-from cell.geometry import Transform
+from cell.geometry import Pose
 from cell.kinematics.lynx import LynxGeometry
 from cell.kinematics.servo_map import ArmCorrection, Five, SagModel, ServoMap
 
@@ -80,26 +80,31 @@ class Camera:
         count = len(self.commanded)
         off = generator.normal(size=(count, 6)) * factor
         off *= [noise.place_mm, noise.place_mm, height, tilt, tilt, noise.yaw_deg]
+        turned = _turns(np.radians(off[:, 3:])) @ self.rotation
+        places = self.position + off[:, :3]
+        a = np.degrees(np.arctan2(turned[:, 2, 1], turned[:, 2, 2]))
+        b = np.degrees(np.arctan2(-turned[:, 2, 0], np.hypot(turned[:, 0, 0], turned[:, 1, 0])))
+        c = np.degrees(np.arctan2(turned[:, 1, 0], turned[:, 0, 0]))
+        poses = np.column_stack([places, a, b, c]).tolist()
         found = []
-        for i in range(count):
-            matrix = np.eye(4)
-            matrix[:3, :3] = _turn(np.radians(off[i, 3:])) @ self.rotation[i]
-            matrix[:3, 3] = self.position[i] + off[i, :3]
+        for i, pose in enumerate(poses):
             commanded: Five = tuple(self.commanded[i].tolist())
             found.append(
                 Sight(
                     label=f"sight {i + 1}",
                     commanded_deg=commanded,
-                    seen=Transform(matrix).to_pose(),
+                    seen=Pose(*pose),
                     mount=self.mounts[i],
                 )
             )
         return found
 
 
-def _turn(vector: Array) -> Array:
-    """Rodrigues' formula."""
-    angle = float(np.linalg.norm(vector))
-    x, y, z = vector / max(angle, 1e-12)
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+def _turns(vectors: Array) -> Array:
+    """Rodrigues' formula, for vectors (n, 3)."""
+    angle = np.linalg.norm(vectors, axis=1)
+    x, y, z = (vectors / np.maximum(angle, 1e-12)[:, None]).T
+    zero = np.zeros_like(x)
+    cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+    sine, rest = np.sin(angle)[:, None, None], 1.0 - np.cos(angle)[:, None, None]
+    return np.asarray(np.eye(3) + sine * cross + rest * cross @ cross)

@@ -30,7 +30,7 @@ ARM = LynxArm.from_profile(PROFILE.arm)
 
 
 def sights(seed: int) -> list[Sight]:
-    return Camera(smooth_truth(), plan()).sights(np.random.default_rng(seed))
+    return Camera(smooth_truth(), plan(25, 7)).sights(np.random.default_rng(seed))
 
 
 def moved(sight: Sight, factor: float) -> Sight:
