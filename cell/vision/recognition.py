@@ -278,7 +278,7 @@ class _Look:
         self._add_unknown(reason, face.outline_px)
 
     def _add_unknown(self, reason: str, outline_px: Points) -> None:
-        middle = outline_px.mean(axis=0)
+        middle = np.array(cv2.minAreaRect(outline_px.astype(np.float32))[0])
         # Table and bezel beside the screen are looked at for blocks that hang over its edge;
         # whatever else lies there is none of ours.
         panel = self._sight.panel_px().astype(np.float32)

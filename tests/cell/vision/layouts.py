@@ -216,7 +216,7 @@ def run_layouts(count: int, seed: int, *, view: CameraView | None = None) -> dic
         for index in range(count // len(LIGHTS)):
             generator = np.random.default_rng([seed, number, index])
             laid = random_layout(generator)
-            stage.put(*(_scene_block(one) for one in laid))
+            stage.put(*(scene_block(one) for one in laid))
             background = BACKGROUNDS[index % len(BACKGROUNDS)]
             where = f"seed {seed}, light {level}, layout {index} on {background}"
             pictures = {
@@ -234,5 +234,6 @@ def _shown(stage: Stage, camera: TwinCamera, name: str) -> NDArray[np.uint8]:
     return camera.grab().pixels
 
 
-def _scene_block(one: Laid) -> SceneBlock:
+def scene_block(one: Laid) -> SceneBlock:
+    """Return a block as the scene takes it."""
     return block(one.kind, one.colour, one.x_mm, one.y_mm, yaw_deg=one.yaw_deg)

@@ -19,16 +19,16 @@ from tests.cell.vision.layouts import (
     lit_profile,
     random_layout,
     run_layouts,
+    scene_block,
     true_view,
 )
-from tests.cell.vision.layouts import _scene_block as scene_block
 
 SIGHT = TableSight.of_profile(PROFILE, "top", true_view())
 
 
 @pytest.fixture(scope="module")
 def tallies() -> dict[str, Tally]:
-    return run_layouts(25, seed=20)
+    return run_layouts(20, seed=20)
 
 
 @pytest.mark.parametrize(("method", "least"), [("one picture", 0.98), ("two pictures", 0.99)])
