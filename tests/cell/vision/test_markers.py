@@ -118,7 +118,7 @@ def test_marker_s_corners_have_no_bias_and_its_pose_is_as_good_as_it_says() -> N
     misses, scaled = [], []
     for _ in range(12):
         facing = np.diag([1.0, -1.0, -1.0])
-        turn = np.asarray(cv2.Rodrigues(generator.normal(0.0, 0.4, 3))[0]) @ facing
+        turn = np.asarray(cv2.Rodrigues(generator.normal(0.0, 0.4, 3))[0], np.float64) @ facing
         shift = np.array(
             [
                 generator.uniform(-150, 150),
@@ -153,8 +153,8 @@ def test_photographs_of_a_chessboard_give_the_lens() -> None:
         points,
         pixels,
         (640, 480),
-        None,  # type: ignore[arg-type]
-        None,  # type: ignore[arg-type]
+        None,
+        None,
     )
     assert rms_px < 0.35
     # The values of OpenCV's own tutorial for these photographs.
