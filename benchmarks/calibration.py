@@ -40,7 +40,8 @@ def run() -> list[Result]:
         ),
         Result(
             name="the same with covariance", unit="us",
-            value=_us(lambda: fit_plane(pixels, points, noise), 50), peer="cv2.getPerspectiveTransform (float32)", peer_value=opencv_us,
+            value=_us(lambda: fit_plane(pixels, points, noise), 50),
+            peer="cv2.getPerspectiveTransform (float32)", peer_value=opencv_us,
         ),
         Result(
             name="place of a camera from 4 points, lens known, with covariance",

@@ -24,7 +24,7 @@ def check_homography(site: Site, record: CalibrationRecord) -> Procedure:
     profile = playground_profile(site)
     known = knowledge_of(site, record.subject)
     own = profile.store.calibration
-    limit_mm = yield from ask_number("quality", "Most that is good?", unit="mm", default=1.5)
+    limit_mm = yield from ask_number("quality", "Most that is good?", unit="mm", default=2.0)
     count = int((yield from ask_number("fresh", "How many fresh points?", default=3)))
     if count < 1:
         raise CalibrationError("a check needs one fresh point or more")
@@ -115,7 +115,7 @@ def _compared(
             held_out_rms=float(np.sqrt(np.mean(np.square(off)))) if off else None,
             held_out_max=largest if off else None,
             held_out_count=len(off),
-            how=f"{len(off)} fresh points; their own scatter and finding error are in it",
+            how="fresh, with their own scatter and finding error in it",
         ),
         findings=tuple(found),
         based_on=(record.identity,),

@@ -115,7 +115,7 @@ def _found(
         yield from _take_fitted(profile, sampler, fitted, most, quality_mm, noise, by_arm=by_arm)
         try:
             for index, place in enumerate(fresh_places(fresh, _why_not(profile, by_arm=by_arm))):
-                yield from tell(f"test point {index + 1} of {fresh}", len(fitted) + index, most)
+                yield from tell(f"test point {index + 1} of {fresh}", index, fresh)
                 tests.append((yield from sampler.take(f"test {index + 1}", place)))
             fit = known.fit(pairs_of(fitted).pixels, pairs_of(fitted).points_mm, noise)
             fitted = [sampler.again(pair, fit) for pair in fitted]

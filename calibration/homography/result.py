@@ -136,7 +136,7 @@ def _tested(
     ]
     tests = [_sample(pair, fit, None, is_used=False) for pair in fresh]
     held = [s.held_out_mm for s in tests if s.held_out_mm is not None]
-    how = f"{len(held)} fresh points; their own scatter and finding error are in it"
+    how = "fresh, with their own scatter and finding error in it"
     if not held:
         held = [value for value in left_out if value is not None]
         how = "leave-one-out" if held else ""

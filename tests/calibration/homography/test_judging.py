@@ -17,7 +17,7 @@ from tests.calibration.hidden_truth import (
 ROBOT = ((700.0, -350.0), (700.0, 300.0), (300.0, 300.0), (300.0, -350.0))
 PICTURE = ((46.8, 821.5), (1175.8, 815.1), (1166.8, 123.0), (44.3, 132.9))
 PRINTED = ((0.00656, 0.58748, 222.028), (0.58116, -0.00504, -375.536), (0.0, 1e-5, 1.0))
-DIGITS = ((5, 5, 3), (5, 5, 3), (0, 5, 0))
+DIGITS = ((5, 5, 3), (5, 5, 3), (5, 5, 5))
 
 
 def pairs(robot: object = ROBOT, picture: object = PICTURE) -> Pairs:

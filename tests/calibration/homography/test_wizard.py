@@ -95,3 +95,44 @@ def test_clicked_marks_give_a_map_without_any_device() -> None:
         found = played(calibrate_homography(site_of(profile)), answers, cell)
     assert codes(found) == []
     assert rms(errors_mm(profile, found, truth)) < 3.0
+
+
+REFERENCE = (
+    ((700.0, -350.0), (46.8, 821.5)),
+    ((700.0, 300.0), (1175.8, 815.1)),
+    ((300.0, 300.0), (1166.8, 123.0)),
+    ((300.0, -350.0), (44.3, 132.9)),
+)
+
+
+def of_reference(third: tuple[float, float], *, with_map: bool) -> Measurement:
+    """Calibrate with the pairs of the reference, the third as given."""
+    profile = load_profile("mash")
+    if not with_map:
+        top = profile.cameras["top"].model_copy(update={"plane_map": None, "plane_map_guid": ""})
+        profile = profile.model_copy(update={"cameras": {**profile.cameras, "top": top}})
+    answers: dict[str, float | str | tuple[float, float]] = {
+        "camera": "top", "way": "clicked", "quality": 5.0,
+    }  # fmt: skip
+    for number, (point, pixel) in enumerate(REFERENCE, start=1):
+        answers[f"point {number}"] = third if number == 3 else point
+        answers[f"pixel {number}"] = pixel
+    with twin_of(profile) as cell:
+        return played(calibrate_homography(site_of(profile)), answers, cell)
+
+
+def test_the_references_pairs_give_its_matrix_in_the_profile() -> None:
+    found = of_reference((300.0, 300.0), with_map=False)
+    assert found.grade.value == "OK", found.findings
+    matrix = np.array(found.values["cameras.top.plane_map"])
+    printed = np.array([[0.00656, 0.58748, 222.028], [0.58116, -0.00504, -375.536], [0, 1e-5, 1]])
+    half_digit = np.array([[5e-6, 5e-6, 5e-4], [5e-6, 5e-6, 5e-4], [5e-6, 5e-6, 0.0]])
+    assert (np.abs(matrix - printed) <= np.maximum(5e-4 * np.abs(printed), half_digit)).all()
+
+
+def test_the_misprinted_pair_is_bad_and_named_with_and_without_a_map_before() -> None:
+    for with_map in (False, True):
+        found = of_reference((300.0, -300.0), with_map=with_map)
+        assert found.grade.value == "BAD"
+        assert found.findings[0].samples == ("pair 3",)
+        assert found.values == {}
