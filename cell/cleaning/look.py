@@ -19,6 +19,7 @@ from cell.contact import Outline
 from cell.devices.camera import Frame
 from cell.errors import VisionError
 from cell.profile import Profile
+from cell.vision.learned import recognition_model
 from cell.vision.recognition import Recognition, TwoPictures, UnknownThing, recognise
 from cell.vision.sight import TableSight
 
@@ -90,7 +91,8 @@ def look(profile: Profile, eyes: Eyes) -> Look:
     eyes.show("black")
     black = eyes.grab(camera).pixels
     sight = TableSight.of_profile(profile, camera)
-    found = recognise(TwoPictures(white, black), sight)
+    model = recognition_model(profile, camera)
+    found = recognise(TwoPictures(white, black), sight, model)
     blocks = tuple(
         LyingBlock(
             kind=block.kind,
