@@ -38,7 +38,7 @@ _LEAST_KNOTS: Final = 3
 _MOST_KNOTS: Final = 9
 _LEAST_RISE: Final = 0.1
 _HELD: Final = 1e4
-_SETTLE: Final = 40
+_SETTLE: Final = 15
 SAG_NAMES: Final = ("shoulder", "elbow", "wrist", "hand_share")
 USUAL_SHARE: Final = 0.3
 """Of a hand of 100 g, 60 mm long, behind a forearm of 150 g; held where it is not seen."""
@@ -246,6 +246,7 @@ def fit_servos(
     noise: MarkerNoise | None = None,
     knots: Sequence[Array] | None = None,
     steps: int = 40,
+    is_trial: bool = False,
 ) -> ServoFit:
     """Fit maps and sag.
 
@@ -256,6 +257,8 @@ def fit_servos(
         noise: How exactly a marker is seen.
         knots: Commanded angles of each joint's knots; from the sights unless given.
         steps: Most steps of one fit; sights that fit the model need five or six.
+        is_trial: Whether to give up where a map falls or sag is not seen, instead of holding
+            them.
 
     Raises:
         FitFailed: A joint was commanded to fewer than three angles, or the sights are too few.
@@ -263,7 +266,7 @@ def fit_servos(
     model = ServoModel(sights, geometry, mounts, noise or MarkerNoise(), knots)
     held: tuple[int, ...] = ()
     found: Fit | None = None
-    for held in _SAG_CHOICES:
+    for held in _SAG_CHOICES[:1] if is_trial else _SAG_CHOICES:
         found = _fitted(model, held, steps)
         if found is not None:
             break
@@ -272,6 +275,8 @@ def fit_servos(
             f"{len(sights)} sights do not tell the {model.count - 4} knots of the five maps; "
             "move every joint in steps of 15 deg over its range, with the marker in view"
         )
+    if is_trial and model.rises(_begin(model, held, found)[0]):
+        raise FitFailed("a map falls; the angles or their signs are mistaken")
     values, free, risen, final = _kept_rising(model, held, found, steps)
     data = final.residuals.size - model.bends - len(risen)
     freedom = data - free.size
@@ -315,13 +320,19 @@ def _fitted(model: ServoModel, held: tuple[int, ...], steps: int) -> Fit | None:
     return found
 
 
-def _begin(model: ServoModel, held: tuple[int, ...]) -> tuple[Array, NDArray[np.intp]]:
+def _begin(
+    model: ServoModel, held: tuple[int, ...], found: Fit | None = None
+) -> tuple[Array, NDArray[np.intp]]:
+    """Return parameters to begin with, or those of a fit, and the indices of free ones."""
     start = model.start()
     knots = model.count - 4
     for index in held:
         start[knots + index] = USUAL_SHARE if index == 3 else 0.0
     fixed = {knots + index for index in held}
-    return start, np.array([i for i in range(model.count) if i not in fixed])
+    free = np.array([i for i in range(model.count) if i not in fixed])
+    if found is not None:
+        start[free] = found.parameters
+    return start, free
 
 
 def _kept_rising(

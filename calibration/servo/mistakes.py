@@ -57,12 +57,17 @@ def named_mistake(
         cured = [cure.apply(sight) for sight in some]
         try:
             after = fit_servos(
-                cured, geometry, mounts=mounts, noise=noise, knots=_few_knots(cured), steps=_STEPS
+                cured,
+                geometry,
+                mounts=mounts,
+                noise=noise,
+                knots=_few_knots(cured),
+                steps=_STEPS,
+                is_trial=True,
             )
         except FitFailed:
             continue
-        if not after.flat:
-            ranking.append((after.noise_factor, cure))
+        ranking.append((after.noise_factor, cure))
     if not ranking:
         return None
     best, cure = min(ranking, key=lambda entry: entry[0])
