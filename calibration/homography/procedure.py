@@ -56,6 +56,7 @@ _METERED: frozenset[FeatureName] = frozenset(
     {"exposure", "shutter", "gain", "white_balance_red", "white_balance_blue"}
 )
 _FOUND_PX = 0.2
+_UNLIT_PX = 0.5
 _CLICKED_PX = 1.0
 _BY_HAND_MM = 1.0
 _LEAST, _MOST = 4, 40
@@ -99,7 +100,8 @@ def _found(
     fresh = int((yield from ask_number("fresh", "How many fresh points to test?", default=2)))
     _check_counts(most, fresh)
     noise = yield from _noise(
-        _FOUND_PX, profile.twin.placement_scatter_mm if by_arm else _BY_HAND_MM
+        _FOUND_PX if profile.display.enabled else _UNLIT_PX,
+        profile.twin.placement_scatter_mm if by_arm else _BY_HAND_MM,
     )
     own = profile.store.calibration
     sampler = Sampler(

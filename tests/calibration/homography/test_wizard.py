@@ -136,3 +136,15 @@ def test_the_misprinted_pair_is_bad_and_named_with_and_without_a_map_before() ->
         assert found.grade.value == "BAD"
         assert found.findings[0].samples == ("pair 3",)
         assert found.values == {}
+
+
+def test_without_a_screen_the_object_is_told_from_the_empty_table() -> None:
+    nominal = load_profile("mash")
+    truth = hidden(nominal, 6)
+    profile = with_true_lens(nominal, truth)
+    off = profile.display.model_copy(update={"enabled": False})
+    profile = profile.model_copy(update={"display": off})
+    with twin_of(profile, truth, 6) as cell:
+        found = played(calibrate_homography(site_of(profile)), {}, cell)
+    assert codes(found) == []
+    assert rms(errors_mm(profile, found, truth)) < 1.1
