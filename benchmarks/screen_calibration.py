@@ -59,7 +59,9 @@ def run() -> list[Result]:
             value=float(np.sqrt(np.mean(predicted))),
             unit="mm",
         ),
-        Result(name="top: stated 95 % regions that hold", value=100 * float(np.mean(held)), unit="%"),
+        Result(
+            name="top: stated 95 % regions that hold", value=100 * float(np.mean(held)), unit="%"
+        ),
         Result(
             name="solve, two cameras, 7,400 places", value=statistics.median(times), unit="s",
             target=2.0,

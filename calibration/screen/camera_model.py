@@ -29,7 +29,7 @@ COUNT: Final = len(NAMES)
 WIDTH_PX: Final = 1280
 HEIGHT_PX: Final = 960
 
-_FOCAL_STARTS: Final = (0.6, 0.9, 1.3, 1.9, 2.7, 3.8)
+_FOCAL_STARTS: Final = (0.7, 1.2, 2.1, 3.6)
 _START_POINTS: Final = 150
 _FEWEST: Final = 60
 
@@ -135,7 +135,7 @@ def fit_alone(seen: Correspondences, pixel_mm: float, prior: LensPrior, deviatio
         if start is None:
             continue
         tried = fit(
-            lambda camera: residuals(some, camera), start, is_noise_known=True, tolerance=1e-6
+            lambda camera: residuals(some, camera), start, is_noise_known=True, tolerance=1e-4
         )
         if best is None or tried.residuals @ tried.residuals < best.residuals @ best.residuals:
             best = tried
@@ -145,7 +145,7 @@ def fit_alone(seen: Correspondences, pixel_mm: float, prior: LensPrior, deviatio
         lambda camera: residuals(slice(None), camera),
         best.parameters,
         is_noise_known=True,
-        tolerance=1e-9,
+        tolerance=1e-7,
     )
 
 

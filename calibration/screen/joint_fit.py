@@ -231,7 +231,7 @@ def fit_screen(given: Observations) -> ScreenFit:
     begin = np.array(start)
     begin[:_SCREEN] = problem.first_guess(begin)
     result = fit(
-        problem.residuals, begin, jacobian=problem.jacobian, is_noise_known=True, tolerance=1e-9
+        problem.residuals, begin, jacobian=problem.jacobian, is_noise_known=True, tolerance=1e-8
     )
     rms = {name: _rms_px(given, result.parameters, name) for name in given.cameras}
     return ScreenFit(given=given, fit=result, rms_px=rms, deviation_px=deviation)
