@@ -159,7 +159,7 @@ class CellHands:
         return camera
 
     def _capture(self, request: Capture) -> Picture:
-        return picture_of_frame(self._made().grab(request.camera))
+        return picture_of_frame(self._made().grab(request.camera, is_fresh=True))
 
     def _set_feature(self, request: SetFeature) -> CameraFeature:
         camera = self._camera(request.camera)

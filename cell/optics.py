@@ -107,8 +107,16 @@ class CellOptics:
         with self._watch.over("screen"):
             yield
 
-    def grab(self, camera: str, width_px: int = 1280, height_px: int = 960) -> Frame:
+    def grab(
+        self, camera: str, width_px: int = 1280, height_px: int = 960, *, is_fresh: bool = False
+    ) -> Frame:
         """Return a picture of a camera in the mode of that size.
+
+        Args:
+            camera: Name of the camera.
+            width_px: Width of the picture.
+            height_px: Height of the picture.
+            is_fresh: Whether it must be a new one, even if nothing that it shows has changed.
 
         Raises:
             DeviceError: There is no such camera or mode, or no picture.
@@ -120,7 +128,7 @@ class CellOptics:
         mode = camera_mode(camera, width_px, height_px)
         with self._watch.over("camera"):
             self._set_for_lights(device)
-            frame = self._pictures.grab(device, mode)
+            frame = self._pictures.grab(device, mode, is_fresh=is_fresh)
         if self._last_frames.get(camera) is not frame:
             self._last_frames[camera] = frame
             self._events.emit(

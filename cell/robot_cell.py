@@ -302,13 +302,15 @@ class RobotCell:
         """Show any picture of the panel's size, such as a pattern to measure with."""
         self._optics.show_pixels(pixels, name)
 
-    def grab(self, camera: str, width_px: int = 1280, height_px: int = 960) -> Frame:
-        """Return a picture of a camera in the mode of that size.
+    def grab(
+        self, camera: str, width_px: int = 1280, height_px: int = 960, *, is_fresh: bool = False
+    ) -> Frame:
+        """Return a picture of a camera in the mode of that size; a new one if it must be.
 
         Raises:
             DeviceError: There is no such camera or mode, or no picture.
         """
-        return self._optics.grab(camera, width_px, height_px)
+        return self._optics.grab(camera, width_px, height_px, is_fresh=is_fresh)
 
     def close_cameras(self) -> None:
         """Stop all cameras."""

@@ -29,8 +29,13 @@ class CameraKeeper:
         self._modes.clear()
         self._last.clear()
 
-    def grab(self, camera: Camera, mode: CameraMode) -> Frame:
+    def grab(self, camera: Camera, mode: CameraMode, *, is_fresh: bool = False) -> Frame:
         """Return a picture of the scene as it is now, opening the camera in a mode if need be.
+
+        Args:
+            camera: The camera.
+            mode: Its picture size.
+            is_fresh: Whether it must be a new one, even if nothing that it shows has changed.
 
         Raises:
             DeviceError: The camera gives none, and did not after it was opened again.
@@ -41,7 +46,7 @@ class CameraKeeper:
             if self._modes.get(name) != mode:
                 self._open(camera, mode)
                 last = None
-            frame = camera.grab()
+            frame = camera.grab_fresh() if is_fresh else camera.grab()
         except DeviceError as error:
             return self._grab_again(camera, mode, error.problem)
         if frame is not last:

@@ -21,7 +21,7 @@ from pathlib import Path
 import pytest
 
 from cell.profile import load_profile
-from cell.store import place_of_slot
+from cell.store import place_of_slot, with_calibration_object
 from dsl.library import library_script
 from sessions.client import MasClient
 from sessions.errors import SessionsError
@@ -161,7 +161,8 @@ def test_a_killed_server_loses_no_step_and_no_block(moment: int, tmp_path: Path)
 def assert_all_home(home: Path) -> None:
     assert ledger_state(home) == (0, "")
     profile = load_profile("mash")
-    plan = store_plan(served_script(library_script("mash"), "mash.cell"))
+    scripted = store_plan(served_script(library_script("mash"), "mash.cell"))
+    plan = with_calibration_object(scripted, profile.store)
     folder = home / "state" / "robocell" / "cells" / "mash"
     world = json.loads((folder / "world.json").read_text("utf-8"))
     assert world["held"] is None
