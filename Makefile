@@ -13,7 +13,7 @@ test: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n auto -q
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto -q
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m benchmarks
