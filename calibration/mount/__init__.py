@@ -1,0 +1,1 @@
+"""The camera on the arm's flange: its lens, and where it hangs, found together."""
