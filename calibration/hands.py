@@ -85,7 +85,7 @@ class CellHands:
             case StandAside():
                 self._stand_aside()
             case MoveTool():
-                return self._move(request.pose)
+                return self._move(request)
             case ReadTool():
                 return self._tool()
             case _:
@@ -195,8 +195,11 @@ class CellHands:
         cell.arm.raise_to(cell.profile.heights.service_mm)
         cell.arm.rest()
 
-    def _move(self, pose: Pose) -> ToolReading:
-        arm = self._up().arm
+    def _move(self, request: MoveTool) -> ToolReading:
+        arm, pose = self._up().arm, request.pose
+        if request.by_joints:
+            arm.move_joint(pose)
+            return self._tool()
         try:
             arm.move_linear(pose)
         except (MotionRefused, UnreachablePose) as line:

@@ -163,9 +163,9 @@ def stand_aside() -> Steps[None]:
     yield StandAside()
 
 
-def move_tool(pose: Pose) -> Steps[ToolReading]:
-    """Have the arm move its tool point, through the guard."""
-    return _of(ToolReading, (yield MoveTool(pose=pose)))
+def move_tool(pose: Pose, *, by_joints: bool = False) -> Steps[ToolReading]:
+    """Have the arm move its tool point, through the guard; see `MoveTool`."""
+    return _of(ToolReading, (yield MoveTool(pose=pose, by_joints=by_joints)))
 
 
 def read_tool() -> Steps[ToolReading]:

@@ -140,9 +140,16 @@ class StandAside:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MoveTool:
-    """Has the arm move its tool point, through the guard; answered with a `ToolReading`."""
+    """Has the arm move its tool point, through the guard; answered with a `ToolReading`.
+
+    Attributes:
+        pose: Where to.
+        by_joints: Whether every joint goes straight to its end, which turns the hand far
+            without running into a joint's end on the way; else in a line where that can be.
+    """
 
     pose: Pose
+    by_joints: bool = False
 
 
 @dataclass(frozen=True, slots=True)

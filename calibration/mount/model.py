@@ -204,7 +204,8 @@ def _lens_slopes(lens: Points, camera: Points) -> tuple[Matrix, Matrix]:
     radial = 1.0 + squared * (lens[3] + squared * lens[4])
     steeper = 2.0 * lens[3] + 4.0 * lens[4] * squared
     by_flat = lens[0] * (
-        radial[:, None, None] * np.eye(2) + steeper[:, None, None] * flat[:, :, None] * flat[:, None]
+        radial[:, None, None] * np.eye(2)
+        + steeper[:, None, None] * flat[:, :, None] * flat[:, None]
     )
     to_flat = np.zeros((len(camera), 2, 3))
     to_flat[:, 0, 0] = to_flat[:, 1, 1] = 1.0
