@@ -95,6 +95,13 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         summary="whether cameras and screen still stand where they stood, by dots on the screen",
     ),
     Entry(
+        name="gripper-camera",
+        kind="mount",
+        target="calibration.mount.procedure:calibrate_mount",
+        check="calibration.mount.checking:check_mount",
+        summary="lens and mount of the camera on the flange, from poses over a board or sheet",
+    ),
+    Entry(
         name="store-place",
         kind="store-place",
         target="calibration.store_place.procedure:store_place",

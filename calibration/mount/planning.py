@@ -42,6 +42,7 @@ class Poses:
         target: What is looked at.
         guess: Roughly the lens and the mount.
         noise: How exact the arm is.
+        aside_deg: How far all are turned about the camera's view, so that others are fresh.
     """
 
     def __init__(
@@ -50,6 +51,8 @@ class Poses:
         target: Target,
         guess: MountState,
         noise: ArmNoise,
+        *,
+        aside_deg: float = 0.0,
     ) -> None:
         self._profile = profile
         self._guard = Guard.from_profile(profile)
@@ -58,7 +61,7 @@ class Poses:
         self._flange_from_tool = Transform(tool)
         self._known = np.diag(1.0 / _PRIOR**2)
         self._left: list[tuple[Pose, Points]] = []
-        for flange in _flanges(target, guess):
+        for flange in _flanges(target, guess, aside_deg):
             view = MountView(
                 label="", robot_from_flange=flange, points_mm=target.points_mm,
                 pixels=np.zeros((len(target.points_mm), 2)),
@@ -99,7 +102,7 @@ class Poses:
         return None
 
 
-def _flanges(target: Target, guess: MountState) -> list[Transform]:
+def _flanges(target: Target, guess: MountState, aside_deg: float) -> list[Transform]:
     """Return places of the flange from which the camera looks at parts of the target."""
     found = []
     wide, tall = target.size_mm
@@ -109,7 +112,7 @@ def _flanges(target: Target, guess: MountState) -> list[Transform]:
     ):
         aim = target.guess.apply(np.array([across * wide, down * tall, 0.0]))
         leaned = turned(np.array([math.radians(lean[0]), math.radians(lean[1]), 0.0]))
-        rolled = turned(np.array([0.0, 0.0, math.radians(turn)]))
+        rolled = turned(np.array([0.0, 0.0, math.radians(turn + aside_deg)]))
         looking = target.guess.rotation @ leaned @ rolled
         camera = transform(looking, aim - distance * looking[:, 2])
         found.append(camera @ flange_from_camera.inverse())

@@ -204,16 +204,26 @@ def look(
     guess: MountState,
     noise: ArmNoise,
     count: int,
-    first: int = 1,
+    *,
+    aside_deg: float = 0.0,
 ) -> Steps[Looked]:
     """Go from pose to pose and look, until there are `count` views.
 
     Up to twice as many poses are tried, because in some the target may be hidden.
+
+    Args:
+        profile: The cell's profile.
+        camera: Name of the camera.
+        target: What it looks at.
+        guess: Roughly lens and mount.
+        noise: How exact the arm is.
+        count: How many views are wanted.
+        aside_deg: How far the camera is turned about its view from the usual poses.
     """
     looked = Looked()
-    poses = Poses(profile, target, guess, noise)
+    poses = Poses(profile, target, guess, noise, aside_deg=aside_deg)
     reading = yield from read_tool()
-    for number in range(first, first + _TRIES * count):
+    for number in range(1, _TRIES * count + 1):
         pose = poses.next(reading.joints)
         if pose is None:
             break
