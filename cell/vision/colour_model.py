@@ -124,21 +124,32 @@ class ColourModel:
     ) -> list[ColourGuess]:
         """Return the colours of channel means (n, 3); see `classify`."""
         distances, costs = self.costs(rgb, light=light, noise=noise)
-        return [self._guess(*pair) for pair in zip(distances, costs, strict=True)]
+        order = np.argsort(costs, axis=1)
+        ordered = np.take_along_axis(costs, order, axis=1)
+        weights = np.exp(-0.5 * (ordered - ordered[:, :1]))
+        nearest = np.take_along_axis(distances, order[:, :1], axis=1)[:, 0]
+        margins = (
+            0.5 * (ordered[:, 1] - ordered[:, 0])
+            if ordered.shape[1] > 1
+            else np.full(len(ordered), math.inf)
+        )
+        columns = (
+            order[:, :2].tolist(),
+            (1.0 / weights.sum(axis=1)).tolist(),
+            nearest.tolist(),
+            margins.tolist(),
+        )
+        return [self._guess(*row) for row in zip(*columns, strict=True)]
 
-    def _guess(self, distances: NDArray[np.float64], costs: NDArray[np.float64]) -> ColourGuess:
-        order = np.argsort(costs)
-        best = int(order[0])
-        weights = np.exp(-0.5 * (costs - costs[best]))
-        probability = float(weights[best] / weights.sum())
-        margin = float(costs[order[1]] - costs[best]) / 2.0 if len(order) > 1 else math.inf
-        distance = float(distances[best])
-        nearest = self.classes[best].colour
+    def _guess(
+        self, order: Sequence[int], probability: float, distance: float, margin: float
+    ) -> ColourGuess:
+        nearest = self.classes[order[0]].colour
         reason = ""
         if distance > self.most_distance:
             reason = f"no known colour: nearest is {nearest}, {distance:.1f} deviations away"
         elif probability < self.least_probability:
-            reason = f"colour between {nearest} and {self.classes[int(order[1])].colour}"
+            reason = f"colour between {nearest} and {self.classes[order[1]].colour}"
         return ColourGuess(
             colour=None if reason else nearest,
             probability=probability,
@@ -171,10 +182,17 @@ class ColourModel:
         Raises:
             KeyError: The model has no such colour.
         """
-        found = next((one for one in self.classes if one.colour == colour), None)
-        if found is None:
-            raise KeyError(colour)
-        return math.exp(float(normalised(np.array([rgb]))[0, 2]) - found.mean[2])
+        return float(self.lights_of(np.array([rgb]), [colour])[0])
+
+    def lights_of(self, rgb: NDArray[np.floating], colours: Sequence[str]) -> NDArray[np.float64]:
+        """Return the levels of the lamps, (n,), that faces (n, 3) of known colours tell.
+
+        Raises:
+            KeyError: The model has no such colour.
+        """
+        by_name = {one.colour: one.mean[2] for one in self.classes}
+        own = np.array([by_name[colour] for colour in colours])
+        return np.asarray(np.exp(normalised(np.asarray(rgb, np.float64))[:, 2] - own))
 
     def margin(self, first: str, second: str) -> float:
         """Return how far two colours lie apart: Bhattacharyya distance of their chroma.

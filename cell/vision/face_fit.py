@@ -10,9 +10,8 @@ colour touch, say nothing.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import cv2
@@ -22,11 +21,12 @@ from numpy.typing import NDArray
 from cell.vision.sight import KindShape
 
 Points = NDArray[np.float64]
+Floats = NDArray[np.floating]
 
 _REACH_MM = 2.8
 _STEP_MM = 0.4
 _SAMPLES_PER_SIDE = 9
-_DISC_SAMPLES = 36
+_SAMPLES = 4 * _SAMPLES_PER_SIDE
 _CORNER_SHARE = 0.1
 _LEAST_CONTRAST = 9.0
 _NOISE_FACTOR = 3.5
@@ -35,10 +35,14 @@ _PULL_MM = 0.35
 _INSET_MM = 0.25
 _INSET_DEVIATION_MM = 0.35
 _SAMPLE_DEVIATION_MM = 0.15
-_TURN_DEVIATION_MM = 0.13
-_ROUNDS = 2
+_PLACE_DEVIATION_MM = 0.24
+_TURN_DEVIATION_MM = 0.08
 _SUPPORT_MM = 0.9
 _INNER = 6
+_PLACE_PER_RESIDUAL = 1.6
+_OFFSETS_MM = (np.arange(round(2.0 * _REACH_MM / _STEP_MM) + 1) * _STEP_MM - _REACH_MM).astype(
+    np.float32
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,173 +107,236 @@ def fit_faces(picture: NDArray[np.uint8], starts: Sequence[Start]) -> list[Fitte
         picture: R G B, (h, w, 3).
         starts: Where they are, to about 2 mm.
     """
-    if not starts:
-        return []
-    results: list[FittedFace | None] = [None] * len(starts)
-    for is_round in (False, True):
-        chosen = [k for k, start in enumerate(starts) if start.shape.is_round == is_round]
-        if chosen:
-            batch = _Batch(picture, [starts[k] for k in chosen], is_round=is_round)
-            for index, fitted in zip(chosen, batch.run(), strict=True):
-                results[index] = fitted
-    return [fitted for fitted in results if fitted is not None]
+    return _Fit(picture, starts).run() if starts else []
 
 
-class _Batch:
-    """Faces with the same number of samples: all boxes, or all discs."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Table:
+    """What the fit needs of a shape, in the face's own frame, mm.
 
-    def __init__(
-        self, picture: NDArray[np.uint8], starts: Sequence[Start], *, is_round: bool
-    ) -> None:
-        self._picture = picture
-        self._starts = starts
-        self._is_round = is_round
-        edges = [_edge_points(start.shape) for start in starts]
-        self._points = np.stack([points for points, _ in edges])
-        self._normals = np.stack([normals for _, normals in edges])
-        self._inner = np.stack([_inner_points(start.shape) for start in starts])
-        self._maps = np.stack([start.px_from_mm for start in starts])
-        self._offsets = np.arange(-_REACH_MM, _REACH_MM + _STEP_MM / 2.0, _STEP_MM)
+    Attributes:
+        across: Points across the outline, from inside out, (36 * 15, 2).
+        inner: Points inside, away from the edge, (36, 2).
+        slopes: How the outline's points move outwards with x, y, turn and inset, (36, 4).
+        stiffness: What is added to the normal matrix's diagonal, (4,): a disc has no turn.
+    """
+
+    across: Floats
+    inner: Floats
+    slopes: Floats
+    stiffness: Floats
+
+
+@dataclass(slots=True, eq=False)
+class _Edges:
+    """Where the faces end, one row a face and one column a sample.
+
+    Attributes:
+        miss: How far outside the true outline, mm.
+        is_edge: Whether there is an edge at all.
+        weight: What the sample counts.
+    """
+
+    miss: Floats
+    is_edge: NDArray[np.bool_]
+    weight: Floats
+
+
+@dataclass(slots=True, eq=False)
+class _Colours:
+    """Colours inside the faces: means (n, 3), largest deviations (n,), uniform shares (n,)."""
+
+    mean: Floats
+    spread: Floats
+    uniform: Floats
+
+
+@dataclass(slots=True, eq=False)
+class _Fit:
+    """All faces of a picture at once: every array's first axis is the faces'."""
+
+    picture: NDArray[np.uint8]
+    starts: Sequence[Start]
+    _maps: Points = field(init=False)
+    _across: Floats = field(init=False)
+    _inner: Floats = field(init=False)
+    _slopes: Floats = field(init=False)
+    _stiffness: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        tables = [_table(start.shape) for start in self.starts]
+        self._maps = np.array([start.px_from_mm for start in self.starts])
+        self._across = np.array([table.across for table in tables])
+        self._inner = np.array([table.inner for table in tables])
+        self._slopes = np.array([table.slopes for table in tables])
+        self._stiffness = np.array([table.stiffness for table in tables])
 
     def run(self) -> list[FittedFace]:
         """Return the fitted faces."""
-        state = np.array([(s.x_mm, s.y_mm, s.angle_rad, _INSET_MM) for s in self._starts])
-        mean, spread = self._colours(state)
-        for _ in range(_ROUNDS):
-            miss, is_edge, weight = self._misses(state, mean, spread)
-            step, covariance = self._solve(state, miss, weight)
-            state += step
-        mean, spread = self._colours(state)
-        uniform = self._uniform
-        miss, is_edge, weight = self._misses(state, mean, spread)
-        left = miss + state[:, 3:4]
-        supported = is_edge & (np.abs(left) < _SUPPORT_MM)
-        residual = 1.48 * _masked_median(np.abs(left), supported)
-        _, covariance = self._solve(state, miss, weight)
-        results = []
-        for k, start in enumerate(self._starts):
-            x, y, angle, inset = state[k].tolist()
-            # Neighbouring samples share the lens's blur and the raster: far fewer are free.
-            scale = max(residual[k], _SAMPLE_DEVIATION_MM) * 2.0
-            # What shifts a whole side alike does not turn it.
-            turn_scale = max(residual[k], _TURN_DEVIATION_MM)
-            place = covariance[k, :2, :2] * scale**2
-            red, green, blue = mean[k].tolist()
-            results.append(
-                FittedFace(
-                    shape=start.shape,
-                    x_mm=x,
-                    y_mm=y,
-                    angle_rad=angle,
-                    inset_mm=inset,
-                    residual_mm=float(residual[k]),
-                    support=float(supported[k].mean()),
-                    open_support=float(supported[k].sum() / max(1, is_edge[k].sum())),
-                    flatness=float(spread[k].max()),
-                    mean_rgb=(red, green, blue),
-                    uniform=float(uniform[k]),
-                    deviation_mm=math.sqrt(float(np.linalg.eigvalsh(place)[-1])),
-                    deviation_rad=0.0
-                    if self._is_round
-                    else math.sqrt(float(covariance[k, 2, 2])) * turn_scale,
-                )
+        state = np.array([(s.x_mm, s.y_mm, s.angle_rad, _INSET_MM) for s in self.starts])
+        colours = self._colours(state)
+        edges = self._edges(state, colours)
+        step, _ = self._solve(state, edges)
+        state += step
+        colours = self._colours(state)
+        edges = self._edges(state, colours)
+        step, covariance = self._solve(state, edges)
+        # The last step is far below a sample's pitch: its effect on the misses is linear.
+        left = edges.miss + (state[:, 3] + step[:, 3])[:, None] - self._moved(state, step)
+        state += step
+        return self._fitted(state, colours, edges, np.abs(left), covariance)
+
+    def _fitted(
+        self, state: Points, colours: _Colours, edges: _Edges, left: Points, covariance: Points
+    ) -> list[FittedFace]:
+        supported = edges.is_edge & (left < _SUPPORT_MM)
+        residual = 1.48 * _masked_median(left, supported)
+        support = supported.mean(axis=1)
+        open_support = supported.sum(axis=1) / np.maximum(1, edges.is_edge.sum(axis=1))
+        # Neighbouring samples share the lens's blur and the raster: far fewer are free, and
+        # what shifts a whole side alike does not turn it.
+        a, b, c = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
+        worst = 0.5 * (a + c) + np.hypot(0.5 * (a - c), b)
+        place = np.sqrt(worst) * np.maximum(_PLACE_PER_RESIDUAL * residual, _PLACE_DEVIATION_MM)
+        turn = np.sqrt(covariance[:, 2, 2]) * np.maximum(residual, _TURN_DEVIATION_MM)
+        columns = (
+            self.starts, state.tolist(), residual.tolist(), support.tolist(),
+            open_support.tolist(), colours.spread.tolist(), colours.mean.tolist(),
+            colours.uniform.tolist(), place.tolist(), turn.tolist(),
+        )  # fmt: skip
+        return [
+            FittedFace(
+                shape=start.shape,
+                x_mm=x,
+                y_mm=y,
+                angle_rad=angle,
+                inset_mm=inset,
+                residual_mm=off,
+                support=all_support,
+                open_support=open_,
+                flatness=flat,
+                mean_rgb=(mean[0], mean[1], mean[2]),
+                uniform=even,
+                deviation_mm=deviation,
+                deviation_rad=0.0 if start.shape.is_round else turning,
             )
-        return results
+            for start, (x, y, angle, inset), off, all_support, open_, flat, mean, even,
+            deviation, turning in zip(*columns, strict=True)
+        ]  # fmt: skip
 
-    def _placed(self, state: Points, local: Points) -> Points:
-        """Return robot points (n, m, 2) of points in the faces' own frames."""
-        return np.asarray(_turn(state[:, 2], local) + state[:, None, :2])
-
-    def _sampled(self, points_mm: Points) -> Points:
-        """Return the picture's colours (n, ..., 3) at robot points (n, ..., 2)."""
-        flat = points_mm.reshape(len(points_mm), -1, 2)
-        pixels = flat @ np.swapaxes(self._maps[:, :, :2], 1, 2) + self._maps[:, None, :, 2]
-        places = np.ascontiguousarray(pixels, np.float32)
+    def _sampled(self, state: Points, local: Floats) -> list[NDArray[np.uint8]]:
+        """Return the picture's channels, each (n, m), at points (n, m, 2) of the faces' frames."""
+        cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
+        turn = np.stack([cos, sin, -sin, cos], axis=1).reshape(-1, 2, 2)
+        linear = self._maps[:, :, :2]
+        transposed = turn @ linear.transpose(0, 2, 1)
+        shift = (linear @ state[:, :2, None])[..., 0] + self._maps[:, :, 2]
+        places = local @ transposed.astype(np.float32)
+        places += shift.astype(np.float32)[:, None]
         values = cv2.remap(  # type: ignore[call-overload]
-            self._picture, places, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+            self.picture, places, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
-        return np.asarray(values, np.float64).reshape(*points_mm.shape[:-1], 3)
+        return list(cv2.split(values))
 
-    def _colours(self, state: Points) -> tuple[Points, Points]:
-        """Return mean and deviation (n, 3) of the faces' inner colours."""
-        values = self._sampled(self._placed(state, self._inner))
-        middle = np.median(values, axis=1)
-        off = np.abs(values - middle[:, None]).max(axis=2)
-        limit = 6.0 + 0.05 * middle.max(axis=1)
-        is_same = off < limit[:, None]
-        self._uniform = is_same.mean(axis=1)
-        count = np.maximum(is_same.sum(axis=1), 1)[:, None]
-        mean = (values * is_same[..., None]).sum(axis=1) / count
-        spread = np.sqrt(
-            (np.square(values - mean[:, None]) * is_same[..., None]).sum(axis=1) / count
+    def _colours(self, state: Points) -> _Colours:
+        values = np.array(self._sampled(state, self._inner), np.float32)
+        ordered = np.partition(values, values.shape[2] // 2, axis=2)
+        middle = ordered[:, :, values.shape[2] // 2]
+        off = np.abs(values - middle[..., None])
+        limit = 6.0 + 0.05 * middle.max(axis=0)
+        is_same = np.maximum(np.maximum(off[0], off[1]), off[2]) < limit[:, None]
+        count = is_same.sum(axis=1)
+        free = 1.0 / np.maximum(count, 1)
+        mean = np.where(count > 3, (values * is_same).sum(axis=2) * free, middle)
+        off = (values - mean[..., None]) * is_same
+        spread = np.sqrt(np.square(off).sum(axis=2) * free)
+        return _Colours(
+            mean=mean.T.astype(np.float32),
+            spread=spread.max(axis=0).astype(np.float32),
+            uniform=(count / values.shape[2]).astype(np.float32),
         )
-        return np.where(count > 3, mean, middle), spread
 
-    def _misses(
-        self, state: Points, mean: Points, spread: Points
-    ) -> tuple[Points, NDArray[np.bool_], Points]:
-        """Return where the edges are outside the true outline (n, m), which there are, weights."""
-        normals = _turn(state[:, 2], self._normals)
-        base = self._placed(state, self._points)
-        places = base[:, :, None] + self._offsets[:, None] * normals[:, :, None]
-        values = self._sampled(places)
-        distance = np.abs(values - mean[:, None, None]).max(axis=3)
-        least = np.maximum(_LEAST_CONTRAST, _NOISE_FACTOR * spread.max(axis=1))[:, None]
-        beyond = distance > least[..., None]
-        last = len(self._offsets) - 1
-        first = np.where(beyond.any(axis=2), beyond.argmax(axis=2), last)
-        at = np.minimum(first + _PLATEAU_STEPS, last)
-        plateau = np.take_along_axis(distance, at[..., None], axis=2)
-        half = np.maximum(plateau / 2.0, least[..., None])
-        passed = distance >= half
-        found = passed.argmax(axis=2)
-        is_edge = passed.any(axis=2) & (found > 0)
+    def _edges(self, state: Points, colours: _Colours) -> _Edges:
+        red, green, blue = (
+            np.abs(channel.astype(np.float32) - mean[:, None])
+            for channel, mean in zip(
+                self._sampled(state, self._across), colours.mean.T, strict=True
+            )
+        )
+        steps = len(_OFFSETS_MM)
+        distance = np.maximum(np.maximum(red, green, out=red), blue, out=red)
+        flat = distance.reshape(-1, steps)
+        least = np.maximum(_LEAST_CONTRAST, _NOISE_FACTOR * colours.spread)
+        least = np.repeat(least, _SAMPLES)
+        beyond = flat > least[:, None]
+        first = beyond.argmax(axis=1)
+        rows = np.arange(len(flat))
+        first[~beyond[rows, first]] = steps - 1
+        plateau = flat[rows, np.minimum(first + _PLATEAU_STEPS, steps - 1)]
+        half = np.maximum(0.5 * plateau, least)
+        passed = flat >= half[:, None]
+        found = passed.argmax(axis=1)
+        is_edge = passed[rows, found] & (found > 0)
         before = np.maximum(found - 1, 0)
-        low = np.take_along_axis(distance, before[..., None], axis=2)[..., 0]
-        high = np.take_along_axis(distance, found[..., None], axis=2)[..., 0]
-        share = np.clip((half[..., 0] - low) / np.maximum(high - low, 1e-6), 0.0, 1.0)
-        miss = self._offsets[before] + share * _STEP_MM
-        left = miss + state[:, 3:4]
-        weight = is_edge / np.maximum(1.0, np.abs(left) / _PULL_MM) ** 2
-        return miss, is_edge, weight
+        low = flat[rows, before]
+        high = flat[rows, found]
+        share = np.clip((half - low) / np.maximum(high - low, 1e-6), 0.0, 1.0)
+        miss = (_OFFSETS_MM[before] + share * _STEP_MM).reshape(-1, _SAMPLES)
+        is_edge = is_edge.reshape(-1, _SAMPLES)
+        pull = np.maximum(1.0, np.abs(miss + state[:, 3:4]) / _PULL_MM)
+        return _Edges(miss=miss, is_edge=is_edge, weight=is_edge / np.square(pull))
 
-    def _solve(self, state: Points, miss: Points, weight: Points) -> tuple[Points, Points]:
-        """Return the step (n, 4) and the inverse of the normal matrix (n, 4, 4)."""
-        normals = _turn(state[:, 2], self._normals)
-        lever = self._points[:, :, 0] * self._normals[:, :, 1]
-        lever = lever - self._points[:, :, 1] * self._normals[:, :, 0]
-        slopes = np.concatenate([normals, lever[..., None], -np.ones((*lever.shape, 1))], axis=2)
+    def _solve(self, state: Points, edges: _Edges) -> tuple[Points, Points]:
+        """Return the step (n, 4), robot frame, and the inverse normal matrix, face frame."""
         # An edge at `miss` beyond the outline is one that the inset has not moved yet.
-        wanted = miss + state[:, 3:4]
-        weighted = np.swapaxes(slopes * weight[..., None], 1, 2)
-        normal = weighted @ slopes
+        wanted = edges.miss + state[:, 3:4]
+        weighted = (self._slopes * edges.weight[..., None]).transpose(0, 2, 1)
+        normal = weighted @ self._slopes
         right = (weighted @ wanted[..., None])[..., 0]
         prior = 1.0 / (_INSET_DEVIATION_MM / _SAMPLE_DEVIATION_MM) ** 2
-        normal[:, 3, 3] += prior
+        normal[:, [0, 1, 2, 3], [0, 1, 2, 3]] += self._stiffness
         right[:, 3] += prior * (_INSET_MM - state[:, 3])
-        stiff = np.array([1e-3, 1e-3, 1e-1, 0.0])
-        normal += np.diag(stiff)
-        if self._is_round:
-            normal[:, 2, 2] += 1e9
         covariance = np.linalg.inv(normal)
-        step = np.einsum("nij,nj->ni", covariance, right)
+        step = (covariance @ right[..., None])[..., 0]
         step[:, :2] = np.clip(step[:, :2], -2.0, 2.0)
         step[:, 2] = np.clip(step[:, 2], -0.2, 0.2)
-        return step, covariance
+        return _turned_steps(step, state[:, 2]), np.asarray(covariance, np.float64)
+
+    def _moved(self, state: Points, step: Points) -> Points:
+        """Return how far a step (n, 4) moves the outline's points outwards, inset included."""
+        own = _turned_steps(step, -state[:, 2])
+        return np.asarray((self._slopes @ own[..., None])[..., 0] + step[:, 3:4])
 
 
-def _turn(angles_rad: Points, vectors: Points) -> Points:
-    """Return vectors (n, m, 2) turned, each group by its own angle."""
-    cos, sin = np.cos(angles_rad)[:, None], np.sin(angles_rad)[:, None]
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+def _turned_steps(steps: Points, angles_rad: Points) -> Points:
+    """Return steps (n, 4) with their x, y turned."""
+    cos, sin = np.cos(angles_rad), np.sin(angles_rad)
+    out = steps.copy()
+    out[:, 0] = cos * steps[:, 0] - sin * steps[:, 1]
+    out[:, 1] = sin * steps[:, 0] + cos * steps[:, 1]
+    return out
 
 
 @lru_cache(maxsize=32)
+def _table(shape: KindShape) -> _Table:
+    points, normals = _edge_points(shape)
+    lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
+    across = points[:, None] + _OFFSETS_MM[:, None] * normals[:, None]
+    prior = 1.0 / (_INSET_DEVIATION_MM / _SAMPLE_DEVIATION_MM) ** 2
+    return _Table(
+        across=across.reshape(-1, 2).astype(np.float32),
+        inner=_inner_points(shape).astype(np.float32),
+        slopes=np.concatenate([normals, lever[:, None], -np.ones((len(lever), 1))], axis=1).astype(
+            np.float64
+        ),
+        stiffness=np.array([1e-3, 1e-3, 1e9 if shape.is_round else 1e-1, prior]),
+    )
+
+
 def _edge_points(shape: KindShape) -> tuple[Points, Points]:
     """Return points on a face's outline and the outward normals there, both (m, 2)."""
     if shape.is_round:
-        turn = 2.0 * np.pi * np.arange(_DISC_SAMPLES) / _DISC_SAMPLES
+        turn = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
         normals = np.stack([np.cos(turn), np.sin(turn)], axis=1)
         return normals * shape.length_mm / 2.0, normals
     shares = np.linspace(_CORNER_SHARE, 1.0 - _CORNER_SHARE, _SAMPLES_PER_SIDE)[:, None]
@@ -283,7 +350,6 @@ def _edge_points(shape: KindShape) -> tuple[Points, Points]:
     return np.concatenate(points), np.concatenate(across)
 
 
-@lru_cache(maxsize=32)
 def _inner_points(shape: KindShape) -> Points:
     """Return points inside a face, away from its edge, (36, 2)."""
     share = np.linspace(-0.8, 0.8, _INNER)

@@ -1,8 +1,9 @@
 """Faces that may be block tops: flat patches of a block's colour, grown to their edges.
 
 A block's top is one flat colour; its sides are lit otherwise and part from it at the edge.
-Flat patches whose colour the model knows are the seeds; each grows over all pixels of nearly
-its own mean colour. The picture is looked at in half its size, where noise is halved too.
+Flat patches whose colour the model knows are the seeds, sought in a quarter of the picture's
+size, where there is least noise; each grows over all pixels of nearly its own mean colour in
+half the size, where its outline is exact enough to tell the kinds apart.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ from cell.vision.colour_model import ColourModel, label_index
 Pixels = NDArray[np.uint8]
 
 PITCH_PX = 2.0
-"""Pixels of the picture to one pixel that is looked at here."""
+"""Pixels of the picture to one pixel of the half-size picture."""
 
-_FLAT_WINDOW_PX = 5
+_FLAT_WINDOW = np.ones((3, 3), np.uint8)
 _FLAT_LEVELS = 10.0
 _GROW_LEVELS = 4.0
 _GROW_SHARE = 0.06
 _LEAST_SEED_SHARE = 0.12
+_LEAST_FACE_SHARE = 0.6
 _MOST_FACES = 16.0
-_REFUSED = 4
-_MOST_SEED_PX = 400
+_UNSEEN, _GROWN, _TAKEN = 1, 2, 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,18 +39,26 @@ class Face:
     Attributes:
         outline_px: Its outer outline in the picture, (n, 2), through its outermost pixels.
         area_px: Its pixels in the half-size picture.
-        window: Rows and columns of its mask in the half-size picture.
-        mask: 255 on it, (h, w), within the window.
         mean_rgb: Mean colour of its seed.
-        touches_edge: Whether it reaches the edge of what is looked at.
     """
 
     outline_px: NDArray[np.float64]
     area_px: int
-    window: tuple[slice, slice]
-    mask: Pixels
     mean_rgb: tuple[float, float, float]
-    touches_edge: bool
+
+    def touches_edge(self, looked_at: Pixels) -> bool:
+        """Return whether it reaches the edge of what is looked at.
+
+        Args:
+            looked_at: Above 0 where blocks are looked for, in the half-size picture.
+        """
+        height, width = looked_at.shape
+        column, row = np.rint((self.outline_px + 0.5) / PITCH_PX - 0.5).astype(np.intp).T
+        at_rim = (column < 1) | (row < 1) | (column > width - 2) | (row > height - 2)
+        column, row = np.clip(column, 1, width - 2), np.clip(row, 1, height - 2)
+        for right, down in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            at_rim |= looked_at[row + down, column + right] == 0
+        return int(at_rim.sum()) > 3
 
 
 def halved(picture: Pixels) -> Pixels:
@@ -59,84 +68,88 @@ def halved(picture: Pixels) -> Pixels:
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def faces(small: Pixels, looked_at: Pixels, model: ColourModel, least_px: float) -> Iterator[Face]:
+def faces(
+    small: Pixels, quarter: Pixels, looked_at: Pixels, model: ColourModel, least_px: float
+) -> Iterator[Face]:
     """Yield the flat patches of block colours.
 
     Args:
         small: The half-size picture, R G B.
-        looked_at: Above 0 where blocks are looked for, the same size.
+        quarter: The quarter-size picture.
+        looked_at: Above 0 where blocks are looked for, of the half size.
         model: The blocks' colours.
         least_px: Area of the smallest block's face in the half-size picture.
     """
-    labels = model.label_table[label_index(small)]
-    even = cv2.bitwise_and(_even(small), looked_at)
-    seeds = cv2.min(labels, even)
+    even = _even(quarter)
+    even &= looked_at[::2, ::2]
+    seeds = np.where(even > 0, model.label_table[label_index(quarter)], np.uint8(0))
     count, parts, stats, _ = cv2.connectedComponentsWithStats(seeds, connectivity=4)
-    field = small.copy()
-    height, width = small.shape[:2]
-    taken = np.zeros((height + 2, width + 2), np.uint8)
-    taken[1:-1, 1:-1] = np.where(looked_at > 0, 0, 1)
-    order = np.argsort(-stats[1:count, cv2.CC_STAT_AREA]) + 1
-    for index in order.tolist():
-        if stats[index, cv2.CC_STAT_AREA] < _LEAST_SEED_SHARE * least_px:
-            break
-        left, top, wide, tall = stats[index, :4].tolist()
+    taken = cv2.copyMakeBorder(looked_at, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=[255.0])
+    cv2.threshold(taken, 0, _UNSEEN, cv2.THRESH_BINARY_INV, dst=taken)
+    growing = _Growing(small.copy(), np.asarray(taken, np.uint8), least_px)
+    areas = stats[1:count, cv2.CC_STAT_AREA]
+    order = np.argsort(-areas)[: np.count_nonzero(areas >= _LEAST_SEED_SHARE * least_px / 4.0)]
+    for index, (left, top, wide, tall, _) in zip(
+        (order + 1).tolist(), stats[order + 1].tolist(), strict=True
+    ):
         window = np.s_[top : top + tall, left : left + wide]
-        yield from _grown(field, taken, parts[window] == index, (left, top), least_px)
+        patch = np.asarray(cv2.inRange(parts[window], index, index), np.uint8)
+        mean = cv2.mean(quarter[window], patch)[:3]
+        face = growing.grown(_inside(patch, left, top), (mean[0], mean[1], mean[2]))
+        if face is not None:
+            yield face
 
 
-def _grown(
-    field: Pixels,
-    taken: Pixels,
-    patch: NDArray[np.bool_],
-    corner: tuple[int, int],
-    least_px: float,
-) -> Iterator[Face]:
-    """Yield the face that a patch is the seed of, if it is not taken and of a block's size."""
-    left, top = corner
-    rows, columns = np.nonzero(patch)
-    centre = len(rows) // 2
-    if taken[top + rows[centre] + 1, left + columns[centre] + 1]:
-        return
-    pixels = field[top + rows, left + columns]
-    middle = pixels[:: max(1, len(pixels) // _MOST_SEED_PX)].mean(axis=0)
-    nearest = int(np.argmin(np.abs(pixels.astype(np.float64) - middle).sum(axis=1)))
-    seed = (left + int(columns[nearest]), top + int(rows[nearest]))
-    if taken[seed[1] + 1, seed[0] + 1]:
-        return
-    slack = (_GROW_LEVELS + _GROW_SHARE * middle).tolist()
-    # The flood's range lies about the seed pixel's value: the mean has less noise.
-    field[seed[1], seed[0]] = np.rint(middle)
-    flags = 4 | (2 << 8) | cv2.FLOODFILL_FIXED_RANGE | cv2.FLOODFILL_MASK_ONLY
-    area, _, _, (x, y, wide, tall) = cv2.floodFill(field, taken, seed, 0, slack, slack, flags)
-    part = taken[y + 1 : y + 1 + tall, x + 1 : x + 1 + wide]
-    is_own = part == 2
-    if not 0.6 * least_px <= area <= _MOST_FACES * least_px:
-        part[is_own] = _REFUSED
-        return
-    mask = np.zeros((tall + 2, wide + 2), np.uint8)
-    mask[1:-1, 1:-1][is_own] = 255
-    edge = taken[y : y + tall + 2, x : x + wide + 2] == 1
-    reach = np.asarray(cv2.dilate(mask, np.ones((3, 3), np.uint8)))
-    part[is_own] = 3
-    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    outline = max(contours, key=len).reshape(-1, 2).astype(np.float64)
-    offset = np.array([x - 1, y - 1], np.float64)
-    red, green, blue = middle.tolist()
-    yield Face(
-        outline_px=(outline + offset + 0.5) * PITCH_PX - 0.5,
-        area_px=int(area),
-        window=(slice(y, y + tall), slice(x, x + wide)),
-        mask=mask[1:-1, 1:-1],
-        mean_rgb=(red, green, blue),
-        touches_edge=bool((edge & (reach > 0)).sum() > 3),
-    )
+def _inside(patch: Pixels, left: int, top: int) -> tuple[int, int]:
+    """Return column and row in the half-size picture of a pixel in the middle of a patch."""
+    row = len(patch) // 2
+    columns = np.flatnonzero(patch[row])
+    return 2 * (left + int(columns[len(columns) // 2])), 2 * (top + row)
 
 
-def _even(small: Pixels) -> Pixels:
+class _Growing:
+    """The half-size picture while patches grow in it.
+
+    Args:
+        field: A copy of the picture, which is changed.
+        taken: `_UNSEEN` where nothing is looked for, 0 elsewhere; a pixel larger at each side.
+        least_px: Area of the smallest block's face.
+    """
+
+    def __init__(self, field: Pixels, taken: Pixels, least_px: float) -> None:
+        self._field = field
+        self._taken = taken
+        self._least_px = least_px
+
+    def grown(self, seed: tuple[int, int], mean_rgb: tuple[float, float, float]) -> Face | None:
+        """Return the patch around a seed, None if it is taken or of no block's size."""
+        column, row = seed
+        if self._taken[row + 1, column + 1]:
+            return None
+        slack = [_GROW_LEVELS + _GROW_SHARE * level for level in mean_rgb]
+        # The flood's range lies about the seed pixel's value: the mean has less noise.
+        self._field[row, column] = [round(level) for level in mean_rgb]
+        flags = 4 | (_GROWN << 8) | cv2.FLOODFILL_FIXED_RANGE | cv2.FLOODFILL_MASK_ONLY
+        area, _, _, (x, y, wide, tall) = cv2.floodFill(
+            self._field, self._taken, seed, 0, slack, slack, flags
+        )
+        part = self._taken[y + 1 : y + 1 + tall, x + 1 : x + 1 + wide]
+        mask = cv2.inRange(part, _GROWN, _GROWN)
+        part[mask > 0] = _TAKEN
+        if not _LEAST_FACE_SHARE * self._least_px <= area <= _MOST_FACES * self._least_px:
+            return None
+        contours, _ = cv2.findContours(
+            mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE, offset=(x, y)
+        )
+        outline = np.asarray(max(contours, key=len), np.float64).reshape(-1, 2)
+        return Face(
+            outline_px=outline * PITCH_PX + (0.5 * PITCH_PX - 0.5),
+            area_px=int(area),
+            mean_rgb=mean_rgb,
+        )
+
+
+def _even(quarter: Pixels) -> Pixels:
     """Return 255 where levels differ little within a small window."""
-    kernel = np.ones((_FLAT_WINDOW_PX, _FLAT_WINDOW_PX), np.uint8)
-    spread = cv2.subtract(cv2.dilate(small, kernel), cv2.erode(small, kernel))
-    red, green, blue = cv2.split(spread)
-    most = cv2.max(cv2.max(red, green), blue)
-    return np.asarray(cv2.threshold(most, _FLAT_LEVELS, 255, cv2.THRESH_BINARY_INV)[1], np.uint8)
+    spread = cv2.subtract(cv2.dilate(quarter, _FLAT_WINDOW), cv2.erode(quarter, _FLAT_WINDOW))
+    return np.asarray(cv2.inRange(spread, (0.0, 0.0, 0.0), (_FLAT_LEVELS,) * 3), np.uint8)

@@ -40,6 +40,8 @@ _MOST_LIGHT_SPREAD = 0.22
 _LIT_SHARE = 0.15
 _LEAST_SCREEN_LEVEL = 60.0
 _LEAST_UNKNOWN_SHARE = 0.35
+_DARK_GROWTH = 1.12
+_DARK_WINDOW = np.ones((3, 3), np.uint8)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -205,11 +207,12 @@ class _Look:
     def result(self, white: Pixels | None) -> Recognition:
         """Return what is there."""
         small = halved(self._picture)
-        starts, groups = self._starts(small)
+        quarter = halved(small)
+        starts, groups = self._starts(small, quarter)
         fitted = fit_faces(self._picture, starts)
         blocks, light = self._judged(fitted, groups)
         if white is not None:
-            self._explain_dark(small, halved(white), blocks)
+            self._explain_dark(quarter, halved(halved(white)), blocks)
         return Recognition(
             blocks=tuple(sorted(blocks, key=lambda one: one.outline_px[:, 1].mean())),
             unknown=tuple(self._unknown),
@@ -217,21 +220,19 @@ class _Look:
             light=light,
         )
 
-    def _starts(self, small: Pixels) -> tuple[list[Start], list[int]]:
+    def _starts(self, small: Pixels, quarter: Pixels) -> tuple[list[Start], list[int]]:
         """Return where faces may lie, and the number of the patch that each is part of."""
         scale = self._mm_per_px()
         least = min(kind.area_mm2 for kind in self._sight.kinds) / (scale * PITCH_PX) ** 2
-        found = list(faces(small, self._area.mask, self._model.colours, least))
+        found = list(faces(small, quarter, self._area.mask, self._model.colours, least))
         if not found:
             return [], []
         middles = np.array([face.outline_px.mean(axis=0) for face in found])
-        maps = self._sight.local_maps(middles)
+        maps, inverses = self._sight.local_maps(middles)
         starts: list[Start] = []
         groups: list[int] = []
-        for number, (face, to_mm) in enumerate(zip(found, maps, strict=True)):
+        for number, (face, to_mm, back) in enumerate(zip(found, maps, inverses, strict=True)):
             outline = face.outline_px @ to_mm[:, :2].T + to_mm[:, 2]
-            inverse = np.linalg.inv(to_mm[:, :2])
-            back = np.concatenate([inverse, (-inverse @ to_mm[:, 2])[:, None]], axis=1)
             placements = self._placements(face, outline, scale, back)
             for one in placements:
                 starts.append(Start(one.shape, one.x_mm, one.y_mm, one.angle_rad, back))
@@ -270,7 +271,7 @@ class _Look:
             several = tile(outline, grown, kinds, refine)
             if several is not None:
                 return several
-        if face.touches_edge:
+        if face.touches_edge(self._area.mask):
             self._report("cut by the edge of the picture, the screen or what hides it", face)
         return []
 
@@ -288,9 +289,7 @@ class _Look:
         self._unknown.append(UnknownThing(reason=reason, x_mm=x, y_mm=y, outline_px=outline_px))
 
     def _mm_per_px(self) -> float:
-        height, width = self._picture.shape[:2]
-        middle = np.array([[width / 2.0, height / 2.0]])
-        return math.sqrt(abs(float(np.linalg.det(self._sight.local_maps(middle)[0][:, :2]))))
+        return self._sight.mm_per_px
 
     def _judged(
         self, fitted: Sequence[FittedFace], groups: Sequence[int]
@@ -324,13 +323,13 @@ class _Look:
         colours = self._model.colours
         if not kept:
             return None
-        guesses = colours.classify_all(np.array([face.mean_rgb for face in kept]))
-        told = [
-            colours.light_of(face.mean_rgb, guess.colour)
-            for face, guess in zip(kept, guesses, strict=True)
-            if guess.colour is not None
-        ]
-        return float(np.median(told)) if told else None
+        means = np.array([face.mean_rgb for face in kept])
+        names = [guess.colour for guess in colours.classify_all(means)]
+        is_told = np.array([name is not None for name in names])
+        if not is_told.any():
+            return None
+        told = colours.lights_of(means[is_told], [name for name in names if name is not None])
+        return float(np.median(told))
 
     def _block(
         self, face: FittedFace, guess: ColourGuess, outline: Points, is_group: bool
@@ -367,16 +366,14 @@ class _Look:
         return [np.asarray(part) for part in np.split(pixels, ends)]
 
     def _explain_dark(self, black: Pixels, white: Pixels, blocks: Sequence[FoundBlock]) -> None:
-        """Report what hides the lit screen and is no block found."""
+        """Report what hides the lit screen and is no block found; pictures of quarter size."""
         red, green, blue = cv2.split(cv2.subtract(white, black))
-        levels = np.asarray(cv2.max(cv2.max(red, green), blue))
+        levels = np.asarray(cv2.max(cv2.max(red, green), blue), np.uint8)
         # Bezel and table give no light: only well within the screen does dark mean hidden.
         inset_mm = 4.0 if self._sight.knows_heights else 14.0
-        panel = np.zeros(levels.shape, np.uint8)
-        corners = (self._sight.panel_px(-inset_mm) + 0.5) / PITCH_PX - 0.5
-        cv2.fillConvexPoly(panel, np.rint(corners * 16.0).astype(np.int32), 255, cv2.LINE_8, 4)
-        looked_at = cv2.bitwise_and(panel, self._area.mask) > 0
-        screen_level = float(np.percentile(levels[::5, ::5][looked_at[::5, ::5]], 80.0))
+        panel = self._sight.panel_mask(-inset_mm, levels.shape)
+        looked_at = cv2.bitwise_and(panel, np.ascontiguousarray(self._area.mask[::2, ::2]))
+        screen_level = _level_of(levels[looked_at > 0])
         if screen_level < _LEAST_SCREEN_LEVEL:
             raise VisionError(
                 "the screen is off or shows the same in both pictures: white minus black is "
@@ -384,23 +381,39 @@ class _Look:
                 f"{_LEAST_SCREEN_LEVEL:.0f}; switch the screen on, show white for the first "
                 "picture and black for the second"
             )
-        dark = np.where((levels < _LIT_SHARE * screen_level) & looked_at, 255, 0).astype(np.uint8)
+        _, dark = cv2.threshold(levels, _LIT_SHARE * screen_level, 255, cv2.THRESH_BINARY_INV)
+        dark = cv2.bitwise_and(dark, looked_at)
+        lines = []
         for block in blocks:
             middle = block.outline_px.mean(axis=0)
-            grown = middle + (block.outline_px - middle) * 1.12
-            line = np.rint(((grown + 0.5) / PITCH_PX - 0.5) * 16.0).astype(np.int32)
-            cv2.fillPoly(dark, [line], 0, cv2.LINE_8, 4)
-        dark = np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8)))
-        least = (
-            min(kind.area_mm2 for kind in self._sight.kinds) / (self._mm_per_px() * PITCH_PX) ** 2
-        )
+            grown = middle + (block.outline_px - middle) * _DARK_GROWTH
+            lines.append(np.rint(_in_quarter(grown) * 16.0).astype(np.int32))
+        # One by one: where two overlap, all at once would leave a hole.
+        for line in lines:
+            cv2.fillConvexPoly(dark, line, 0, cv2.LINE_8, 4)
+        dark = np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, _DARK_WINDOW))
+        least = min(kind.area_mm2 for kind in self._sight.kinds) / (4.0 * self._mm_per_px()) ** 2
         known = [thing.outline_px.mean(axis=0) for thing in self._unknown]
         contours, _ = cv2.findContours(dark, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
         for contour in contours:
             if cv2.contourArea(contour) < _LEAST_UNKNOWN_SHARE * least:
                 continue
-            outline = (np.asarray(contour, np.float64).reshape(-1, 2) + 0.5) * PITCH_PX - 0.5
+            outline = (np.asarray(contour, np.float64).reshape(-1, 2) + 0.5) * 4.0 - 0.5
             middle = outline.mean(axis=0)
             if any(np.linalg.norm(middle - other) < 20.0 for other in known):
                 continue
             self._add_unknown("hides the screen and is no block that could be told", outline)
+
+
+def _in_quarter(pixels: Points) -> Points:
+    """Return pixels of the picture in that of a quarter of its size."""
+    return np.asarray((pixels + 0.5) / 4.0 - 0.5)
+
+
+def _level_of(levels: NDArray[np.uint8]) -> float:
+    """Return the level that a fifth of the pixels exceed, 0 without pixels."""
+    if levels.size == 0:
+        return 0.0
+    rank = int(0.8 * (levels.size - 1))
+    counts = np.bincount(levels, minlength=256).cumsum()
+    return float(np.searchsorted(counts, rank, side="right"))

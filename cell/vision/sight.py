@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,9 @@ from cell.geometry import CameraView, TableView
 from cell.profile import Profile
 
 Points = NDArray[np.float64]
+
+PICTURE_PX = (960, 1280)
+"""Rows and columns of the pictures that views are known for."""
 
 _SIDES_PER_CIRCLE = 24
 _HALF_LOCAL_MM = 40.0
@@ -62,7 +67,7 @@ class KindShape:
         return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class TableSight:
     """How a fixed camera sees the playground.
 
@@ -150,10 +155,45 @@ class TableSight:
         panel = panel + out[:, 1:] * across / np.linalg.norm(across)
         return self.view.to_picture(panel, height)
 
-    def local_maps(self, middles_px: Points) -> Points:
-        """Return affine maps (n, 2, 3) from pixels to mm at the block tops around pixels (n, 2).
+    def panel_mask(self, beyond_mm: float, shape: tuple[int, int]) -> NDArray[np.uint8]:
+        """Return 255 on the screen and up to a width beyond it, read-only; see `panel_px`.
+
+        Args:
+            beyond_mm: Width, below 0 for the inner part alone.
+            shape: Rows and columns of the mask: the picture's, or a whole fraction of them.
+        """
+        key = (beyond_mm, *shape)
+        if key not in self._masks:
+            scale = PICTURE_PX[0] / shape[0]
+            mask = np.zeros(shape, np.uint8)
+            corners = (self.panel_px(beyond_mm) + 0.5) / scale - 0.5
+            line = np.rint(corners * 16.0).astype(np.int32)
+            cv2.fillConvexPoly(mask, line, 255, cv2.LINE_8, 4)
+            mask.setflags(write=False)
+            self._masks[key] = mask
+        return self._masks[key]
+
+    @cached_property
+    def _masks(self) -> dict[tuple[float, int, int], NDArray[np.uint8]]:
+        return {}
+
+    @cached_property
+    def mm_per_px(self) -> float:
+        """Length of a pixel at the block tops in the picture's middle."""
+        middle = np.array([[PICTURE_PX[1] / 2.0, PICTURE_PX[0] / 2.0]])
+        maps, _ = self.local_maps(middle)
+        return math.sqrt(abs(float(np.linalg.det(maps[0, :, :2]))))
+
+    def local_maps(self, middles_px: Points) -> tuple[Points, Points]:
+        """Return affine maps from pixels to mm at the block tops, and back.
 
         Over the length of a block the view differs from its slope by less than 0.1 mm.
+
+        Args:
+            middles_px: Pixels around which they are good, (n, 2).
+
+        Returns:
+            Robot mm from pixels, (n, 2, 3), and pixels from robot mm, (n, 2, 3).
         """
         at_mm = self.view.to_robot(middles_px, self.top_mm)
         steps = _HALF_LOCAL_MM * np.array([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
@@ -162,8 +202,12 @@ class TableSight:
             2.0 * _HALF_LOCAL_MM
         )
         mm_per_px = np.linalg.inv(px_per_mm)
-        shift = at_mm - np.einsum("nij,nj->ni", mm_per_px, middles_px)
-        return np.concatenate([mm_per_px, shift[:, :, None]], axis=2)
+        to_mm = at_mm[..., None] - mm_per_px @ middles_px[..., None]
+        to_px = middles_px[..., None] - px_per_mm @ at_mm[..., None]
+        return (
+            np.concatenate([mm_per_px, to_mm], axis=2),
+            np.concatenate([px_per_mm, to_px], axis=2),
+        )
 
 
 def turned(points: Points, angle_rad: float) -> Points:

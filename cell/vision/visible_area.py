@@ -56,12 +56,11 @@ def visible_area(sight: TableSight, hidden: Pixels | None, shape: tuple[int, int
         hidden: Above 0 where something known hides the table, in the picture's full size.
         shape: Rows and columns of the half-size picture.
     """
-    panel = np.zeros(shape, np.uint8)
-    corners = (sight.panel_px(_BEYOND_MM) + 0.5) / 2.0 - 0.5
-    cv2.fillConvexPoly(panel, np.rint(corners * 16.0).astype(np.int32), 255, cv2.LINE_8, 4)
-    whole = cv2.countNonZero(panel)
+    panel = sight.panel_mask(_BEYOND_MM, shape)
     if hidden is None or not hidden.any():
         return VisibleArea(panel, sight, 0.0)
+    whole = cv2.countNonZero(panel)
+    panel = panel.copy()
     cover = np.asarray(cv2.resize(hidden, shape[::-1], interpolation=cv2.INTER_AREA))
     panel[cover > 0] = 0
     share = 1.0 - cv2.countNonZero(panel) / max(1, whole)
