@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from calibration.applying import setters
 from calibration.archive import Slot
 from calibration.errors import QualityNotMet
 from calibration.record import CalibrationRecord
@@ -66,15 +67,17 @@ def unmet_for_camera(
         A sentence, or None if it is known or the camera's picture has no fixed place.
     """
     known = profile.cameras.get(camera)
-    if known is None or (known.plane_map is None and known.place is None):
+    kept = list(records)
+    paths = [f"cameras.{camera}.{value}" for value in _CAMERA_VALUES]
+    was_measured = any(path in record.values for path in paths for record in kept)
+    if known is None or (known.plane_map is None and known.place is None and not was_measured):
         return None
-    paths = {f"cameras.{camera}.{value}" for value in _CAMERA_VALUES}
-    return _unmet_for(paths, f"where camera {camera} looks", limit_mm, records)
+    return _unmet_for(paths, f"where camera {camera} looks", limit_mm, kept)
 
 
 def unmet_for_lattice(limit_mm: float, records: Iterable[CalibrationRecord]) -> str | None:
     """Return why it is not known to a limit where the lattice lies, None if it is."""
-    paths = {"lattice", "lattice.origin_mm", "lattice.step_mm", "lattice.angle_deg"}
+    paths = ["lattice", "lattice.origin_mm", "lattice.step_mm", "lattice.angle_deg"]
     return _unmet_for(paths, "where the lattice lies", limit_mm, records)
 
 
@@ -94,9 +97,10 @@ def require_quality(records: Iterable[CalibrationRecord], slot: Slot, limit_mm: 
 
 
 def _unmet_for(
-    paths: set[str], what: str, limit_mm: float, records: Iterable[CalibrationRecord]
+    paths: Sequence[str], what: str, limit_mm: float, records: Iterable[CalibrationRecord]
 ) -> str | None:
-    setting = [record for record in records if paths & set(record.values)]
+    by = setters(records)
+    setting = [by[path] for path in paths if path in by]
     if not setting:
         return _refusal(limit_mm, f"{what} is not known: no calibration is kept")
     latest = max(setting, key=lambda record: record.measured_at)

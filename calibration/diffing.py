@@ -126,7 +126,7 @@ def _camera_corners(
     height_mm = profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
     views = []
     for record in (first, second):
-        done = calibrate_where_it_fits(profile, [record])
+        done = calibrate_where_it_fits(profile, [_with_supports(record)])
         view = None if done.misfits else done.profile.cameras[camera].view(height_mm)
         if view is None:
             return ()
@@ -140,6 +140,12 @@ def _camera_corners(
         CornerShift((float(x), float(y)), (float(u - x), float(v - y)))
         for (x, y), (u, v) in zip(corners, seen, strict=True)
     )
+
+
+def _with_supports(record: CalibrationRecord) -> CalibrationRecord:
+    """Return a record that brings along the values that its own were fitted with."""
+    supports = {support.path: support.value for support in record.stands_on}
+    return record.model_copy(update={"values": {**supports, **record.values}, "stands_on": ()})
 
 
 def _maps(record: CalibrationRecord, camera: str) -> bool:

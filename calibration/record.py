@@ -94,6 +94,21 @@ class Region(_Part):
     """Corners in the robot frame; empty where it is no region of the table."""
 
 
+class Support(_Part):
+    """A value of the profile that others were fitted with, and mean nothing without.
+
+    Where a camera stands is such a value of others: it was fitted with a lens, and with
+    another lens the same place puts points elsewhere.
+    """
+
+    path: str
+    """Dotted path in the profile, such as `cameras.top.lens`."""
+    value: JsonValue
+    """What was there."""
+    record: str = ""
+    """Identity of the calibration that it came from; empty where the cell's file has it."""
+
+
 class Measurement(_Part):
     """What a procedure found."""
 
@@ -118,6 +133,8 @@ class Measurement(_Part):
     """Whatever else belongs to this kind, for `show` and `check`."""
     based_on: tuple[str, ...] = ()
     """Identities of the calibrations that went into it."""
+    stands_on: tuple[Support, ...] = ()
+    """Values that its own were fitted with: they hold only as long as those are in force."""
     not_known: tuple[str, ...] = ()
     """What it cannot say, a sentence each."""
 
@@ -148,8 +165,12 @@ class CalibrationRecord(Measurement):
         return hashlib.sha256(self.canonical()).hexdigest()
 
     def canonical(self) -> bytes:
-        """Return the content in one fixed form."""
-        data = self.model_dump(mode="json")
+        """Return the content in one fixed form.
+
+        Without `stands_on` where it is empty, so that a record that was kept before there was
+        such a field keeps its identity.
+        """
+        data = self.model_dump(mode="json", exclude=None if self.stands_on else {"stands_on"})
         return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 

@@ -72,7 +72,8 @@ class Trace:
         prefixes = [f"cameras.{camera}." for camera in sorted(self.cameras)]
         if self.uses_store:
             prefixes.append("store")
-        found = list(measured.based_on)
+        named = (*measured.based_on, *(support.record for support in measured.stands_on))
+        found = list(dict.fromkeys(identity for identity in named if identity))
         for record in site.current:
             is_own = (record.kind, record.subject) == (measured.kind, measured.subject)
             is_used = any(path.startswith(p) for path in record.values for p in prefixes)

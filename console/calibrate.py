@@ -105,7 +105,11 @@ def calibrate(
             raise
         for sentence in asked.unused():
             say(f"warning: {sentence}", "yellow")
-        return _keep(record, session.archive, journal, out, as_json=as_json)
+        code = _keep(record, session.archive, journal, out, as_json=as_json)
+        if code == Exit.DONE:
+            # Tells what does not hold any more beside it.
+            with_calibrations(session.file_profile)
+        return code
 
 
 def _list_procedures(*, as_json: bool) -> int:

@@ -40,7 +40,7 @@ def with_calibrations(profile: ProfileT) -> Calibrated[ProfileT]:
         return Calibrated(profile=profile)
     records, problems = archive_of(profile).readable()
     found = calibrate_where_it_fits(profile, records)
-    for problem in (*problems, *map(str, found.misfits)):
+    for problem in (*problems, *map(str, found.misfits), *map(str, found.stale)):
         say(f"warning: {problem}", "yellow")
     return found
 

@@ -134,6 +134,9 @@ def _provenance(record: CalibrationRecord, *, is_in_force: bool) -> list[str]:
         lines.append(f"  cameras    {cameras}")
     if record.based_on:
         lines.append(f"  based on   {', '.join(identity[:12] for identity in record.based_on)}")
+    for support in record.stands_on:
+        source = support.record[:12] or "the cell's file"
+        lines.append(f"  holds with {support.path} of {source}")
     return lines
 
 
@@ -190,7 +193,7 @@ def _verdict(record: CalibrationRecord) -> dict[str, object]:
     return {
         name: data[name]
         for name in ("cell", "measured_at", "method", "accuracy", "region", "findings", "values",
-                     "not_known", "based_on")
+                     "not_known", "based_on", "stands_on")
     }  # fmt: skip
 
 

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.applying import setters
 from calibration.catalogue import Site
 from calibration.errors import CalibrationError
 from calibration.homography.finding import Expected
 from calibration.homography.noise import PairNoise
 from calibration.homography.place_fit import PlaceFit, fit_place
 from calibration.homography.plane_fit import PlaneFit, fit_plane
+from calibration.record import Support
 from cell.geometry import CameraView, LensModel, TableView
 from cell.profile import Profile
 
@@ -36,7 +38,7 @@ class CameraKnowledge:
         before: The map that holds now; None if there is none, or it is of another camera.
         lens: Its lens; None if it was not measured.
         lens_covariance: Of the lens's nine parameters; None if it is not known.
-        based_on: Identities of the records that the lens comes from.
+        stands_on: The lens as the profile has it, and the record it comes from; empty without.
     """
 
     camera: str
@@ -45,7 +47,7 @@ class CameraKnowledge:
     before: TableView | None
     lens: LensModel | None
     lens_covariance: Matrix | None
-    based_on: tuple[str, ...]
+    stands_on: tuple[Support, ...]
 
     def without_lens(self) -> CameraKnowledge:
         """Return the same for a fit that uses no lens."""
@@ -56,7 +58,7 @@ class CameraKnowledge:
             before=self.before,
             lens=None,
             lens_covariance=None,
-            based_on=(),
+            stands_on=(),
         )
 
     def fit(self, pixels: Points, points_mm: Points, noise: PairNoise) -> TableFit:
@@ -127,9 +129,8 @@ def knowledge_of(site: Site, camera: str) -> CameraKnowledge:
     known = profile.cameras[camera]
     height_mm = block_top_mm(profile)
     is_another = bool(known.plane_map_guid) and known.plane_map_guid != known.guid
-    record = next(
-        (r for r in site.current if f"cameras.{camera}.lens" in r.values and r.values), None
-    )
+    path = f"cameras.{camera}.lens"
+    record = setters(site.current).get(path)
     covariance = None
     if record is not None and isinstance(record.details.get("lens_covariance"), list):
         covariance = np.array(record.details["lens_covariance"], np.float64)
@@ -140,7 +141,15 @@ def knowledge_of(site: Site, camera: str) -> CameraKnowledge:
         before=None if is_another else known.view(height_mm),
         lens=None if known.lens is None else known.lens.model(),
         lens_covariance=covariance,
-        based_on=() if record is None else (record.identity,),
+        stands_on=()
+        if known.lens is None
+        else (
+            Support(
+                path=path,
+                value=known.lens.model_dump(mode="json"),
+                record="" if record is None else record.identity,
+            ),
+        ),
     )
 
 

@@ -90,7 +90,7 @@ def judged(
         findings=tuple(found),
         values={} if worst(found) is Grade.BAD else _values(known, fit, pairs),
         details=_details(known, fit, pairs, noise),
-        based_on=known.based_on if isinstance(fit, PlaceFit) else (),
+        stands_on=known.stands_on if isinstance(fit, PlaceFit) else (),
         not_known=_not_known(known, fit, fitted),
     )
 
