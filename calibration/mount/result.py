@@ -69,7 +69,8 @@ def judged(
     found += explained.findings
     held = held_out_mm(explained.views, explained.fit, noise)
     known = [one for one in held if one is not None]
-    if known and rms(np.concatenate(known)) > quality_mm:
+    is_good = worst(found) is not Grade.BAD
+    if is_good and known and rms(np.concatenate(known)) > quality_mm:
         found.append(
             Finding(
                 code="quality-not-met",

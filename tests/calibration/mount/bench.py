@@ -45,8 +45,10 @@ def robot_from_flange(
     target = state.targets[group]
     aim = target.apply(np.array([random.uniform(250, 630), random.uniform(150, 350), 0.0]))
     lean = random.uniform(-1, 1, 2) * math.radians(tilt_deg)
-    turn = _DOWN @ turned(np.array([*lean, 0.0])) @ turned(
-        np.array([0.0, 0.0, random.uniform(-math.pi, math.pi)])
+    turn = (
+        _DOWN
+        @ turned(np.array([*lean, 0.0]))
+        @ turned(np.array([0.0, 0.0, random.uniform(-math.pi, math.pi)]))
     )
     distance = random.uniform(260, 420)
     camera = transform(turn, aim - turn[:, 2] * distance)
