@@ -40,6 +40,7 @@ _MOST_LIGHT_SPREAD = 0.22
 _LIT_SHARE = 0.15
 _LEAST_SCREEN_LEVEL = 60.0
 _LEAST_UNKNOWN_SHARE = 0.35
+_LEAST_STEPPED_SHARE = 0.7
 _DARK_GROWTH = 1.12
 _DARK_WINDOW = np.ones((3, 3), np.uint8)
 
@@ -202,13 +203,13 @@ class _Look:
         self._sight = sight
         self._model = model
         self._area = visible_area(sight, hidden, (picture.shape[0] // 2, picture.shape[1] // 2))
+        self._small = halved(picture)
         self._unknown: list[UnknownThing] = []
 
     def result(self, white: Pixels | None) -> Recognition:
         """Return what is there."""
-        small = halved(self._picture)
-        quarter = halved(small)
-        starts, groups = self._starts(small, quarter)
+        quarter = halved(self._small)
+        starts, groups = self._starts(quarter)
         fitted = fit_faces(self._picture, starts)
         blocks, light = self._judged(fitted, groups)
         if white is not None:
@@ -220,11 +221,11 @@ class _Look:
             light=light,
         )
 
-    def _starts(self, small: Pixels, quarter: Pixels) -> tuple[list[Start], list[int]]:
+    def _starts(self, quarter: Pixels) -> tuple[list[Start], list[int]]:
         """Return where faces may lie, and the number of the patch that each is part of."""
         scale = self._mm_per_px()
         least = min(kind.area_mm2 for kind in self._sight.kinds) / (scale * PITCH_PX) ** 2
-        found = list(faces(small, quarter, self._area.mask, self._model.colours, least))
+        found = list(faces(self._small, quarter, self._area.mask, self._model.colours, least))
         if not found:
             return [], []
         middles = np.array([face.outline_px.mean(axis=0) for face in found])
@@ -267,7 +268,8 @@ class _Look:
             return single
         if single:
             return [max(refine(single), key=lambda pair: pair[1])[0]]
-        if may_be_blocks(outline, kinds):
+        is_stepped = face.stepped_share(self._small) >= _LEAST_STEPPED_SHARE
+        if is_stepped and may_be_blocks(outline, kinds):
             several = tile(outline, grown, kinds, refine)
             if several is not None:
                 return several
