@@ -32,7 +32,6 @@ from calibration.standing import Standing
 from cell.devices.camera import Camera
 from cell.devices.camera_features import CameraFeature
 from cell.errors import DeviceError, MotionRefused, UnreachablePose
-from cell.geometry import Pose
 from cell.robot_cell import RobotCell
 from cell.store import TablePlace
 
@@ -178,12 +177,7 @@ class CellHands:
                 "block there by hand and choose the procedure's manual way"
             )
         self._out.add(request.slot)
-        lies_at = cell.ledger.blocks_out().get(request.slot)
-        if lies_at is None:
-            cell.deploy(request.slot, request.place)
-        else:
-            cell.grip_at(lies_at)
-            cell.release_at(request.place)
+        cell.carry(request.slot, request.place)
         return request.place
 
     def _return(self, slot: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from cell.cleaning.cleaner import PictureCleaner
 from cell.cleaning.look import Eyes
@@ -132,6 +133,22 @@ class BlockWork:
         """Bring one block from its slot to a place."""
         with self._watch.over("ledger"):
             self._manipulator.transfer(slot, None, place)
+
+    def carry(self, slot: int, place: TablePlace) -> None:
+        """Bring a block from wherever the ledger has it to a place.
+
+        The fingers centre a block along the axis on which they close, and leave it as it is
+        along the other. One that looks the same after a quarter turn is therefore gripped
+        across the way it was put down: carried again and again, it does not creep along the
+        fingers.
+        """
+        lies_at = self._ledger.blocks_out().get(slot)
+        size = self._profile.blocks[self._plan.slot(slot).kind]
+        if lies_at is not None and size.length_mm == size.width_mm:
+            quarter = 90.0 if lies_at.yaw_deg <= 0.0 else -90.0
+            lies_at = replace(lies_at, yaw_deg=lies_at.yaw_deg + quarter)
+        with self._watch.over("ledger"):
+            self._manipulator.transfer(slot, lies_at, place)
 
     def grip_at(self, place: TablePlace) -> int:
         """Grip the block at a place and lift it; return its slot number."""

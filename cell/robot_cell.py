@@ -268,6 +268,10 @@ class RobotCell:
         """Bring one block from its slot to a place."""
         self._blocks.deploy(slot, place)
 
+    def carry(self, slot: int, place: TablePlace) -> None:
+        """Bring one block from wherever it lies to a place; see `BlockWork.carry`."""
+        self._blocks.carry(slot, place)
+
     def grip_at(self, place: TablePlace) -> int:
         """Grip the block at a place and lift it; return its slot number."""
         return self._blocks.grip_at(place)
