@@ -50,7 +50,8 @@ def read_answers(path: Path) -> dict[str, Given]:
         CalibrationError: It cannot be read, or holds something that is no answer.
     """
     try:
-        text = path.read_text("utf-8")
+        # Editors of other systems begin a file with a byte order mark.
+        text = path.read_text("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise CalibrationError(f"the answers file {path} cannot be read: {error}") from error
     is_json = path.suffix == ".json"
@@ -196,8 +197,17 @@ class GivenAnswers:
         return _inside(point, (numbers[0], numbers[1]))
 
     def _refuse_slips(self, key: str) -> None:
-        """Refuse to go on by a default where the answer seems to stand under a slip's name."""
-        unasked = [name for name in self._given if name not in self._asked]
+        """Refuse to go on by a default where the answer seems to stand under a slip's name.
+
+        `touch 2` is no slip of `touch 1`, nor `point 1` of `points`: another number is another
+        question.
+        """
+        numbers = re.findall(r"\d+", key)
+        unasked = [
+            name
+            for name in self._given
+            if name not in self._asked and re.findall(r"\d+", name) == numbers
+        ]
         for name in difflib.get_close_matches(key, unasked, 1, _SIMILAR):
             raise AnswerRefused(
                 key, f"{self._given[name].where} answers {name!r}; did you mean {key!r}?"
@@ -257,8 +267,10 @@ def _fitting(ask: Ask, given: Given) -> Value:
     if given.is_words:
         return parse_words(ask, str(value))
     match ask.kind:
-        case "number" if isinstance(value, int | float) and not isinstance(value, bool):
-            return float(value)
+        case "number":
+            number = _finite(value)
+            if number is not None:
+                return number
         case "text" if isinstance(value, str):
             return value
         case "yes" | "done" if isinstance(value, bool) and (value or ask.kind == "yes"):
@@ -302,9 +314,19 @@ def _number(key: str, words: str) -> float:
 def _numbers(value: object) -> tuple[float, ...] | None:
     if not isinstance(value, list):
         return None
-    if any(isinstance(one, bool) or not isinstance(one, int | float) for one in value):
+    numbers = [number for one in value if (number := _finite(one)) is not None]
+    return tuple(numbers) if len(numbers) == len(value) else None
+
+
+def _finite(value: object) -> float | None:
+    """Return a number of a file; None for anything else, such as TOML's `nan`."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    return tuple(float(one) for one in value)
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def _inside(point: Point, found: tuple[float, float]) -> tuple[float, float]:

@@ -125,7 +125,8 @@ def test_a_setting_needs_a_key_and_a_value(words: str) -> None:
 @pytest.mark.parametrize(
     ("ask", "value"),
     [(NUMBER, True), (NUMBER, "3"), (PAIR, [1]), (PAIR, [1, True]), (PAIR, 3), (SURE, 1),
-     (DONE, False), (WAY, "left"), (NAME, 3)],
+     (DONE, False), (WAY, "left"), (NAME, 3), (NUMBER, float("nan")), (NUMBER, float("inf")),
+     (NUMBER, 10**400), (PAIR, [1, float("nan")]), (PAIR, [1, 10**400])],
 )  # fmt: skip
 def test_a_value_of_the_wrong_type_is_refused_with_its_line(ask: Ask, value: object) -> None:
     asker = GivenAnswers({ask.key: Given(value, "answers.toml:4")})
@@ -137,6 +138,17 @@ def test_a_slip_in_a_key_is_not_passed_over_by_a_default() -> None:
     asker = GivenAnswers({"shure": Given(True, "answers.toml:2")})
     with pytest.raises(AnswerRefused, match="did you mean 'sure'"):
         asker.answer(SURE)
+
+
+@pytest.mark.parametrize("name", ["width 2", "width2", "12 width"])
+def test_another_number_in_a_key_is_no_slip(name: str) -> None:
+    ask = Ask(key="width 1", question="How wide?", kind="number", default=4.0)
+    assert GivenAnswers({name: Given(3, "a.toml:1")}).answer(ask) == 4.0
+
+
+def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbfwidth = 3\n")
+    assert read_answers(tmp_path / "a.toml")["width"].value == 3
 
 
 def test_what_nobody_asked_for_is_named_with_its_line() -> None:
