@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cell.profile import Profile
     from cell.sheet import SheetLayout
     from cell.sheet.finding import Pixels
-    from cell.sheet.reading import SheetReading
+    from cell.sheet.reading import Look, SheetReading
 
 _SUFFIXES = (".pdf", ".svg")
 
@@ -109,32 +109,69 @@ def read_plan(
         raise ConsoleError(f"there is no camera {camera}; the profile has {known}")
     layout = _layout(cell, options.script)
     if picture is not None:
-        return _read(_picture(picture), cell, camera, layout, ruler, options)
+        return _read([_still(_picture(picture), cell, camera)], cell, layout, ruler, options)
+    moves = cell.cameras[camera].mount is not None
 
     def work(hands: ByHand) -> int:
+        if moves:
+            return _read(_looks_around(hands, cell, camera, layout), cell, layout, ruler, options)
         frame = hands.playground.grab(camera)
-        return _read(frame.pixels, cell, camera, layout, ruler, options)
+        return _read([_still(frame.pixels, cell, camera)], cell, layout, ruler, options)
 
     return by_hand(options, work)
 
 
+def _still(pixels: Pixels, cell: Profile, camera: str) -> Look:
+    """Return a picture with the view of a camera that stands still."""
+    from cell.geometry import CameraView
+    from cell.sheet.reading import Look
+
+    view = cell.cameras[camera].view(cell.heights.surface_mm)
+    is_known = isinstance(view, CameraView) and pixels.shape[:2] == (960, 1280)
+    return Look(pixels=pixels, view=view if is_known else None)
+
+
+def _looks_around(hands: ByHand, cell: Profile, camera: str, layout: SheetLayout) -> list[Look]:
+    """Return looks of the camera on the flange, from poses that see all of the sheet."""
+    from cell.sheet import SheetError
+    from cell.sheet.looking import hand_camera, looking_poses
+    from console.robot import bring_up
+
+    try:
+        hand = hand_camera(cell, camera)
+    except SheetError as error:
+        raise ConsoleError(str(error), Exit.FAILED) from error
+    bring_up(hands)
+    playground = hands.playground
+    poses = looking_poses(
+        cell, layout, hand.lens, hand.flange_from_camera, start=playground.arm.joints()
+    )
+    if not poses:
+        raise ConsoleError(
+            f"the arm can bring camera {camera} nowhere from where it sees the sheet", Exit.FAILED
+        )
+    looks = []
+    for one in poses:
+        playground.arm.move_joint(one.pose)
+        pixels = playground.grab(camera).pixels
+        looks.append(hand.look(pixels, playground.read_pose()))
+    hands.home()
+    return looks
+
+
 def _read(
-    pixels: Pixels,
+    looks: list[Look],
     cell: Profile,
-    camera: str,
     layout: SheetLayout,
     ruler: float | None,
     options: HandOptions,
 ) -> int:
-    from cell.geometry import CameraView
     from cell.sheet import SheetError
-    from cell.sheet.reading import Look, read_sheet
+    from cell.sheet.reading import read_sheet
 
-    view = cell.cameras[camera].view(cell.heights.surface_mm)
-    known = view if isinstance(view, CameraView) and pixels.shape[:2] == (960, 1280) else None
     try:
         reading = read_sheet(
-            [Look(pixels=pixels, view=known)],
+            looks,
             layout,
             surface_mm=cell.heights.surface_mm,
             expected=cell.store,

@@ -17,6 +17,7 @@ from calibration.procedure import (
     ask_number,
     ask_numbers,
     capture,
+    move_tool,
     read_tool,
     stand_aside,
     tell,
@@ -26,6 +27,7 @@ from calibration.store_place.measurement import KIND, measure_seen, measure_touc
 from cell.geometry import CameraView
 from cell.profile import Profile
 from cell.sheet import SheetLayout, lay_out
+from cell.sheet.looking import hand_camera, looking_poses
 from cell.sheet.reading import Look
 from cell.store import StorePlan, with_calibration_object
 
@@ -55,6 +57,7 @@ def store_place(site: Site) -> Procedure:
         name
         for name, camera in profile.cameras.items()
         if isinstance(camera.view(profile.heights.surface_mm), CameraView)
+        or (camera.lens is not None and camera.mount is not None)
     )
     ways = ("touch", "type", *(["camera"] if cameras else []))
     way = yield from ask_choice(
@@ -121,6 +124,10 @@ def _by_camera(
     ruler_mm: float,
 ) -> Procedure:
     camera = yield from ask_choice("camera", "Which camera looks?", cameras, default=cameras[0])
+    scale: float | None = None if math.isclose(ruler_mm, 100.0) else ruler_mm
+    if profile.cameras[camera].mount is not None:
+        looks, digests = yield from _by_hand_camera(profile, layout, camera)
+        return measure_seen(looks, digests, camera, layout, profile, plan, ruler_mm=scale)
     count = yield from ask_number("pictures", "How many pictures?", default=float(_PICTURES))
     if not 1.0 <= count <= 20.0 or count != int(count):
         raise CalibrationError(f"pictures: 1 to 20 can be taken, not {count:g}")
@@ -131,5 +138,31 @@ def _by_camera(
         picture = yield from capture(camera, f"the store's sheet, {index + 1} of {int(count)}")
         looks.append(Look(pixels=picture.pixels, view=view))
         digests.append(picture.digest)
-    scale: float | None = None if math.isclose(ruler_mm, 100.0) else ruler_mm
     return measure_seen(looks, digests, camera, layout, profile, plan, ruler_mm=scale)
+
+
+def _by_hand_camera(
+    profile: Profile, layout: SheetLayout, camera: str
+) -> Steps[tuple[list[Look], list[str]]]:
+    """Look with the camera on the flange from poses that see all of the sheet.
+
+    Raises:
+        CalibrationError: The guard lets the arm go to none.
+    """
+    here = yield from read_tool()
+    hand = hand_camera(profile, camera)
+    poses = looking_poses(profile, layout, hand.lens, hand.flange_from_camera, start=here.joints)
+    if not poses:
+        raise CalibrationError(
+            f"the arm can bring camera {camera} nowhere from where it sees the store's sheet; "
+            "touch its corners instead"
+        )
+    looks, digests = [], []
+    for number, one in enumerate(poses, 1):
+        yield from tell(f"look {number} of {len(poses)}", number - 1, len(poses))
+        reading = yield from move_tool(one.pose, by_joints=True)
+        picture = yield from capture(camera, f"the store's sheet, {number} of {len(poses)}")
+        looks.append(hand.look(picture.pixels, reading.pose))
+        digests.append(picture.digest)
+    yield from stand_aside()
+    return looks, digests

@@ -13,8 +13,12 @@ from cell.errors import MotionRefused, UnreachablePose
 from cell.geometry import CameraView, JointPositions, LensModel, Pose, Transform
 from cell.motion.guard import Guard
 from cell.profile import Profile, StoreProfile
+from cell.sheet.errors import SheetError
+from cell.sheet.finding import Pixels
+from cell.sheet.hidden import fingers_mask
 from cell.sheet.layout import SheetLayout
 from cell.sheet.placing import Points, SheetPlace
+from cell.sheet.reading import Look
 
 _HEIGHTS_MM = (300.0, 240.0, 360.0)
 _TURNS_DEG = tuple(float(turn) for turn in range(-180, 180, 45))
@@ -51,6 +55,54 @@ def flange_view(
     flange_from_tool[:3, 3] = tool_mm
     robot_from_flange = Transform.from_pose(pose) @ Transform(flange_from_tool).inverse()
     return CameraView(lens, robot_from_flange @ flange_from_camera)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HandCamera:
+    """A calibrated camera on the flange.
+
+    Attributes:
+        lens: Its lens.
+        flange_from_camera: Where it hangs.
+        tool_mm: The tool point in the flange's frame.
+        hidden: Where the fingers may hide the table, (960, 1280).
+    """
+
+    lens: LensModel
+    flange_from_camera: Transform
+    tool_mm: tuple[float, float, float]
+    hidden: Pixels
+
+    def look(self, pixels: Pixels, pose: Pose) -> Look:
+        """Return a picture with its view.
+
+        Args:
+            pixels: The picture.
+            pose: Of the tool point when it was taken.
+        """
+        view = flange_view(pose, self.tool_mm, self.lens, self.flange_from_camera)
+        return Look(pixels=pixels, view=view, hidden=self.hidden)
+
+
+def hand_camera(profile: Profile, camera: str) -> HandCamera:
+    """Return what a profile knows of a camera on the flange.
+
+    Raises:
+        SheetError: Its lens or its mount is not calibrated.
+    """
+    known = profile.cameras[camera]
+    if known.lens is None or known.mount is None:
+        raise SheetError(
+            f"camera {camera}: its lens and mount are not calibrated; "
+            "`cell calibrate gripper-camera`"
+        )
+    lens, mount = known.lens.model(), known.mount.transform()
+    return HandCamera(
+        lens=lens,
+        flange_from_camera=mount,
+        tool_mm=profile.arm.tool_mm,
+        hidden=fingers_mask(profile, lens, mount),
+    )
 
 
 def looking_poses(

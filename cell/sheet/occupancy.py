@@ -59,6 +59,7 @@ def read_slots(
     *,
     surface_mm: float,
     seen: Sequence[int],
+    hidden: Pixels | None = None,
 ) -> tuple[SlotReading, ...]:
     """Return what a picture tells of every slot.
 
@@ -69,6 +70,7 @@ def read_slots(
         layout: What is printed where.
         surface_mm: Height of the sheet.
         seen: Indices of the markers found in this picture, around which the paper is white.
+        hidden: Above 0 where the arm or its fingers may hide the table, (h, w).
     """
     whites = {
         (one.x_mm, one.y_mm): _white(pixels, view, place, one.corners_mm, surface_mm)
@@ -78,7 +80,7 @@ def read_slots(
     if not whites:
         return tuple(SlotReading(number=s.slot.number, state="not known") for s in layout.slots)
     return tuple(
-        _read_slot(pixels, view, place, one, surface_mm, _nearest(whites, one))
+        _read_slot(pixels, view, place, one, surface_mm, _nearest(whites, one), hidden)
         for one in layout.slots
     )
 
@@ -110,9 +112,14 @@ def _read_slot(
     printed: PrintedSlot,
     surface_mm: float,
     white: NDArray[np.float64],
+    hidden: Pixels | None,
 ) -> SlotReading:
     number = printed.slot.number
     middle = np.array([printed.slot.x_mm, printed.slot.y_mm])
+    if hidden is not None:
+        low_px = view.to_picture(place.to_robot(middle + _disc()), surface_mm)
+        if _sampled(hidden, low_px).any():
+            return SlotReading(number=number, state="not known")
     low = _shade(pixels, view, place.to_robot(middle + _disc()), surface_mm)
     if low is None:
         return SlotReading(number=number, state="not in view")

@@ -24,6 +24,7 @@ _SIGMAS = 4.0
 _MOVED_MM = 1.0
 _UNEVEN_MM = 2.0
 _FAULTY_PX = 2.0
+_RIM_PX = 40.0
 _MANY = 4
 """As many markers of another plan are no chance finds."""
 _RULER_RANGE = (0.5, 2.0)
@@ -39,10 +40,13 @@ class Look:
         pixels: The picture, (960, 1280, 3), R G B.
         view: Of the camera at the moment of the picture; None if its calibration is missing:
             then the picture tells which print it shows, and nothing of places.
+        hidden: Above 0 where the arm or its fingers may hide the table, (960, 1280); None
+            where nothing is known to.
     """
 
     pixels: Pixels
     view: TableView | None
+    hidden: Pixels | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,6 +190,7 @@ def read_sheet(
             layout,
             surface_mm=surface_mm,
             seen=[one.index for one in of_one],
+            hidden=look.hidden,
         )
         for (look, view, _), of_one in zip(known, sightings, strict=True)
     ]
@@ -196,8 +201,60 @@ def read_sheet(
         markers=markers,
         total=len(layout.fiducials),
         slots=merged(slots),
-        findings=(*findings, *scale_findings, *_place_findings(place, markers, layout, expected)),
+        findings=(
+            *findings,
+            *scale_findings,
+            *_place_findings(place, markers, layout, expected),
+            *_covered(looks, seen, place, layout, surface_mm),
+        ),
     )
+
+
+def _covered(
+    looks: Sequence[Look],
+    seen: Sequence[int],
+    place: SheetPlace,
+    layout: SheetLayout,
+    surface_mm: float,
+) -> list[SheetFinding]:
+    """Return how many markers are wholly in a picture, clear of arm and fingers, and not seen."""
+    missing = [one for one in layout.fiducials if one.index not in seen]
+    covered = [
+        one.index
+        for one in missing
+        if any(_is_in_picture(look, place.to_robot(np.array(one.corners_mm)), surface_mm)
+               for look in looks)
+    ]  # fmt: skip
+    if not covered:
+        return []
+    numbers = ", ".join(str(index) for index in covered)
+    return [
+        SheetFinding(
+            code="covered",
+            weight="note",
+            text=f"{len(covered)} of {len(layout.fiducials)} markers should be in view and are "
+            f"not seen: {numbers}",
+            hint="blocks, shadow or dirt cover them; the place is known by the others",
+        )
+    ]
+
+
+def _is_in_picture(look: Look, corners_mm: Points, surface_mm: float) -> bool:
+    if look.view is None:
+        return False
+    height, width = look.pixels.shape[:2]
+    try:
+        pixels = look.view.to_picture(corners_mm, surface_mm)
+    except ValueError:
+        return False
+    inside = (pixels >= _RIM_PX) & (pixels <= np.array([width, height]) - 1.0 - _RIM_PX)
+    # A lens folds what is far outside back into the picture; only what maps back is there.
+    if not inside.all() or _rms(look.view.to_robot(pixels, surface_mm) - corners_mm) > _MOVED_MM:
+        return False
+    if look.hidden is None:
+        return True
+    column, row = np.rint(pixels).astype(int).T
+    return not bool((look.hidden[row, column] > 0).any())
 
 
 def _sightings(

@@ -12,9 +12,10 @@ from cell.assembly import assemble_twin
 from cell.clock import SimulatedClock
 from cell.geometry import CameraView, LensModel, Pose, Transform
 from cell.motion.guard import Guard
-from cell.profile import Profile, StoreProfile
+from cell.profile import PlaceProfile, Profile, StoreProfile
+from cell.profile.cameras import LensProfile
 from cell.sheet import lay_out
-from cell.sheet.looking import LookingPose, flange_view, looking_poses
+from cell.sheet.looking import LookingPose, hand_camera, looking_poses
 from cell.sheet.reading import Look, SheetReading, read_sheet
 from cell.store import StorePlan, place_of_slot
 from cell.twin_cell import TwinCell
@@ -44,6 +45,25 @@ def mount_of(camera: str) -> Transform:
 
 
 @cache
+def calibrated() -> Profile:
+    """Return the profile with the gripper camera's lens and mount as they truly are."""
+    drawn = PROFILE.twin.cameras["gripper"]
+    camera = PROFILE.cameras["gripper"].model_copy(
+        update={
+            "lens": LensProfile(
+                focal_px=(drawn.focal_px, drawn.focal_px), centre_px=drawn.centre_px,
+                k1=drawn.k1, k2=drawn.k2,
+            ),
+            "mount": PlaceProfile(
+                position_mm=drawn.position_mm, rotation_deg=drawn.rotation_deg
+            ),
+        }
+    )  # fmt: skip
+    made: Profile = PROFILE.model_copy(update={"cameras": {**PROFILE.cameras, "gripper": camera}})
+    return made
+
+
+@cache
 def poses() -> tuple[LookingPose, ...]:
     return looking_poses(PROFILE, LAYOUT, lens_of("gripper"), mount_of("gripper"))
 
@@ -57,14 +77,11 @@ def twin(store: StoreProfile) -> TwinCell:
 
 
 def look_around(cell: TwinCell) -> SheetReading:
+    hand = hand_camera(calibrated(), "gripper")
     looks = []
     for one in poses():
         cell.move_joints(one.joints)
-        pixels = cell.grab("gripper").pixels
-        view = flange_view(
-            cell.read_pose(), PROFILE.arm.tool_mm, lens_of("gripper"), mount_of("gripper")
-        )
-        looks.append(Look(pixels=pixels, view=view))
+        looks.append(hand.look(cell.grab("gripper").pixels, cell.read_pose()))
     return read_sheet(looks, LAYOUT, surface_mm=SURFACE_MM, expected=PROFILE.store)
 
 
@@ -97,7 +114,7 @@ def test_a_full_store_is_found_wherever_it_lies_and_every_block_is_seen(seed: in
     truth = np.array([(place.x_mm, place.y_mm) for place in places])
     off = np.linalg.norm(reading.place.to_robot(plan) - truth, axis=1)
     assert float(np.sqrt(np.mean(off**2))) < 0.4, f"seed {seed}"
-    assert {one.code for one in reading.findings} == {"moved"}
+    assert {one.code for one in reading.findings} - {"covered"} == {"moved"}
     known = [one for one in reading.slots if one.state != "not known"]
     assert len(known) >= 16, f"seed {seed}"
     assert all(one.state == "occupied" for one in known), f"seed {seed}"
@@ -117,5 +134,5 @@ def test_the_oblique_camera_sees_most_of_an_empty_sheet() -> None:
         [Look(pixels=pixels, view=view)], LAYOUT, surface_mm=SURFACE_MM, expected=PROFILE.store
     )
     assert len(reading.seen) >= 8
-    assert reading.findings == ()
+    assert {one.code for one in reading.findings} <= {"covered"}
     assert {one.state for one in reading.slots} <= {"empty", "not known"}
