@@ -14,8 +14,8 @@ import time
 import numpy as np
 
 from benchmarks.measure import Result
+from calibration.playground import playground_grid
 from calibration.screen.joint_fit import fit_screen
-from calibration.screen.region import playground_grid
 from calibration.statistics import chi_square_quantile
 from cell.profile import load_profile
 from tests.calibration.screen.synthetic import TOP_MM, synthetic_cell

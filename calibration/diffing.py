@@ -10,11 +10,9 @@ import numpy as np
 from pydantic import JsonValue
 
 from calibration.applying import calibrate_where_it_fits
+from calibration.playground import PLAYGROUND_MM
 from calibration.record import CalibrationRecord
 from cell.profile import Profile
-
-PLAYGROUND_CORNERS_MM: Final = ((300.0, -350.0), (300.0, 300.0), (700.0, 300.0), (700.0, -350.0))
-"""Robot x, y of the corners of the region that accuracies are stated for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +129,7 @@ def _camera_corners(
         if view is None:
             return ()
         views.append(view)
-    corners = np.array(PLAYGROUND_CORNERS_MM)
+    corners = np.array(PLAYGROUND_MM)
     try:
         seen = views[1].to_robot(views[0].to_picture(corners, height_mm), height_mm)
     except ValueError:

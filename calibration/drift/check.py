@@ -17,10 +17,10 @@ from pydantic import JsonValue
 
 from calibration.drift.dots import RADIUS_PX, dot_places, find_dots
 from calibration.drift.motion import Motion, are_all_one, find_motion
+from calibration.playground import playground_grid
 from calibration.record import CalibrationRecord
 from calibration.screen.joint_fit import ScreenPlace, place_in_robot
 from calibration.screen.patterns import Panel
-from calibration.screen.region import playground_grid
 from calibration.verdict import Finding, Grade
 from cell.geometry import CameraView
 from cell.profile import Profile
@@ -122,7 +122,7 @@ def references(
     kept = {} if record is None else record.details.get("dots", {})
     for name, camera in profile.cameras.items():
         if camera.lens is None or camera.place is None:
-            if not _is_moving(profile, name):
+            if camera.stands_still:
                 blind.append(
                     Blind(camera=name, reason="neither its lens nor its place is calibrated")
                 )
@@ -287,11 +287,6 @@ def _reference(
     is_inside = ((pixels > margin) & (pixels < np.array([1279.0, 959.0]) - margin)).all(axis=1)
     areas = np.where(is_inside, areas, np.nan)
     return DotReference(camera=name, view=view, pixels=pixels, area_px=areas, is_measured=False)
-
-
-def _is_moving(profile: Profile, name: str) -> bool:
-    placing = profile.twin.cameras.get(name)
-    return placing is not None and placing.mount == "flange"
 
 
 def as_details(seen: Sequence[Motion | Blind]) -> Mapping[str, JsonValue]:

@@ -8,9 +8,9 @@ from calibration.drift.check import Blind
 from calibration.drift.dots import dots
 from calibration.drift.motion import Motion
 from calibration.errors import CalibrationError
+from calibration.playground import PLAYGROUND_MM
 from calibration.procedure import Procedure, capture, show, stand_aside
 from calibration.record import Accuracy, CalibrationRecord, Measurement, Region, Sample
-from calibration.screen.region import PLAYGROUND_MM
 from cell.profile import Profile
 
 

@@ -21,9 +21,6 @@ from cell.profile import Profile
 Points = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-PLAYGROUND_MM = ((300.0, -350.0), (700.0, -350.0), (700.0, 300.0), (300.0, 300.0))
-"""Corners of the part of the table that accuracy is stated for: the reference's four pairs."""
-
 TableFit = PlaneFit | PlaceFit
 
 
@@ -106,11 +103,7 @@ def fixed_cameras(profile: Profile) -> tuple[str, ...]:
 
     Those that have a map come first, then `top`.
     """
-    fixed = [
-        name
-        for name in profile.cameras
-        if name not in profile.twin.cameras or profile.twin.cameras[name].mount == "world"
-    ]
+    fixed = [name for name, camera in profile.cameras.items() if camera.stands_still]
     ranked = sorted(fixed, key=lambda n: (profile.cameras[n].view(0.0) is None, n != "top"))
     return tuple(ranked)
 

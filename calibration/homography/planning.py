@@ -7,25 +7,20 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.homography.knowledge import PLAYGROUND_MM, TableFit
+from calibration.homography.knowledge import TableFit
+from calibration.playground import PLAYGROUND_MM, playground_grid
 
 Points = NDArray[np.float64]
 Place = tuple[float, float]
 
 _STEP_MM = 10.0
 _NEAREST_MM = 60.0
+_GRID = (9, 11)
 _HELD_OUT = ((0.3, 0.35), (0.7, 0.7), (0.45, 0.8), (0.75, 0.2), (0.15, 0.55), (0.5, 0.5))
 """Fresh points, as shares of the playground along x and y, far from corners and each other."""
 
 IsReached = Callable[[float, float], str]
 """Says why a place cannot be reached; empty if it can."""
-
-
-def playground_grid(across: int = 9, along: int = 11) -> Points:
-    """Return points all over the playground, corners included, shape (n, 2), robot mm."""
-    (x0, y0), _, (x1, y1), _ = PLAYGROUND_MM
-    x, y = np.meshgrid(np.linspace(x0, x1, across), np.linspace(y0, y1, along), indexing="ij")
-    return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
 def corners(why_not: IsReached) -> tuple[Place, ...]:
@@ -46,7 +41,7 @@ def _drawn_in(corner: Points, middle: Points, why_not: IsReached) -> Place:
 
 def least_known(fit: TableFit, taken: Sequence[Place], why_not: IsReached) -> Place | None:
     """Return the place in reach where the map is predicted to be worst, away from the others."""
-    grid = playground_grid()
+    grid = playground_grid(*_GRID)
     spread = np.trace(fit.covariance_at(fit.to_picture(grid)), axis1=1, axis2=2)
     for index in np.argsort(-spread):
         x, y = (float(v) for v in grid[index])
@@ -67,7 +62,7 @@ def fresh_places(count: int, why_not: IsReached) -> tuple[Place, ...]:
 
 def predicted_error(fit: TableFit) -> tuple[float, float]:
     """Return the predicted RMS error over the playground and its worst place's 95 % radius, mm."""
-    covariances = fit.covariance_at(fit.to_picture(playground_grid()))
+    covariances = fit.covariance_at(fit.to_picture(playground_grid(*_GRID)))
     rms = float(np.sqrt(np.trace(covariances, axis1=1, axis2=2).mean()))
     largest = float(np.linalg.eigvalsh(covariances).max())
     return rms, float(np.sqrt(largest * fit.region_factor(2)))

@@ -11,13 +11,14 @@ from pydantic import JsonValue
 from calibration.errors import FitFailed
 from calibration.homography.dlt import homography
 from calibration.homography.judging import Pairs, judge_pairs
-from calibration.homography.knowledge import PLAYGROUND_MM, CameraKnowledge, TableFit
+from calibration.homography.knowledge import CameraKnowledge, TableFit
 from calibration.homography.noise import PairNoise
 from calibration.homography.outliers import judge_noise
 from calibration.homography.place_fit import PlaceFit, place_parameters
 from calibration.homography.plane_fit import PlaneFit
 from calibration.homography.planning import predicted_error
 from calibration.homography.sampling import Pair
+from calibration.playground import PLAYGROUND_MM
 from calibration.record import Accuracy, Correlation, Measurement, Parameter, Region, Sample
 from calibration.statistics import strong_correlations
 from calibration.verdict import Finding, Grade, worst

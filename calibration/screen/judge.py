@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.playground import playground_grid
 from calibration.screen import camera_model as model
 from calibration.screen.decode import Correspondences, ScreenMap
 from calibration.screen.held_out import LeftOut, left_out
 from calibration.screen.joint_fit import Observations, ScreenFit, fit_screen
-from calibration.screen.region import playground_grid
 from calibration.statistics import chi_square_quantile
 from calibration.verdict import Finding, Grade
 from cell.devices.camera_features import CameraFeature

@@ -12,14 +12,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.drivers.kiosk.patterns import Axis, gray_code_bits, gray_code_line
+
 Pixels: TypeAlias = NDArray[np.uint8]
-Axis: TypeAlias = Literal["columns", "rows"]
 
 AXES: tuple[Axis, Axis] = ("columns", "rows")
 PERIOD_PX = 48
@@ -59,8 +60,7 @@ class Panel:
 
     def bits(self, axis: Axis) -> int:
         """Return how many pictures the Gray code of half periods needs."""
-        halves = -(-2 * self.size_px(axis) // PERIOD_PX)
-        return max(1, (halves - 1).bit_length())
+        return gray_code_bits(self.size_px(axis), PERIOD_PX // 2)
 
     def field(self, value: int) -> Pixels:
         """Return one grey all over."""
@@ -74,8 +74,7 @@ class Panel:
 
     def code(self, axis: Axis, bit: int) -> Pixels:
         """Return a bit of the Gray code of each half period; a set bit is bright."""
-        halves = 2 * np.arange(self.size_px(axis)) // PERIOD_PX
-        is_set = ((halves ^ (halves >> 1)) >> bit) & 1
+        is_set = gray_code_line(self.size_px(axis), bit, PERIOD_PX // 2)
         return self._along(axis, is_set.astype(np.float64))
 
     def board(self) -> Pixels:

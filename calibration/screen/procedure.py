@@ -131,7 +131,7 @@ def screen(site: Site) -> Procedure:
 
 
 def _which_cameras(profile: Profile) -> Steps[tuple[str, ...]]:
-    still = [n for n in profile.cameras if not _is_on_flange(profile, n)]
+    still = [name for name, camera in profile.cameras.items() if camera.stands_still]
     if not still:
         raise CalibrationError(f"the cell {profile.name} has no camera that stands still")
     answer = yield from ask_text(
@@ -287,8 +287,3 @@ def _dot_references(
 
 def _failed(findings: list[Finding]) -> Measurement:
     return Measurement(kind=KIND, subject="cell", method=METHOD, findings=tuple(findings))
-
-
-def _is_on_flange(profile: Profile, name: str) -> bool:
-    placing = profile.twin.cameras.get(name)
-    return placing is not None and placing.mount == "flange"

@@ -11,6 +11,7 @@ from pydantic import JsonValue
 
 from calibration.drift.check import DotReference
 from calibration.drift.dots import dot_places
+from calibration.playground import PLAYGROUND_MM
 from calibration.record import (
     Accuracy,
     Correlation,
@@ -23,7 +24,6 @@ from calibration.screen.held_out import LeftOut, left_out
 from calibration.screen.joint_fit import ScreenFit, place_in_robot
 from calibration.screen.judge import judge_fit, predicted_mm
 from calibration.screen.patterns import Panel
-from calibration.screen.region import PLAYGROUND_MM
 from calibration.statistics import strong_correlations
 from calibration.verdict import Finding
 from cell.geometry import CameraView

@@ -91,6 +91,8 @@ class CameraProfile(Table):
     raw: dict[FeatureName, Annotated[int, Field(ge=0)]] = Field(default_factory=dict)
     """Raw values by feature, for backends that do not reach absolute ones (FireWire and video
     devices through OpenCV); they go before `settings`."""
+    fixed_to: Literal["cell", "arm"] = "cell"
+    """What it is fastened to: the cell, so that it stands still, or the arm, which moves it."""
     settings: CameraSettings
     """Absolute values of the camera's features, with the lights on."""
     settings_lights_off: CameraSettings | None = None
@@ -112,6 +114,11 @@ class CameraProfile(Table):
     mount: PlaceProfile | None = None
     """Where it hangs on the arm's flange, if that was measured; in the flange's frame, and only
     for a camera that moves with it."""
+
+    @property
+    def stands_still(self) -> bool:
+        """Whether its picture keeps its place on the table while the arm moves."""
+        return self.fixed_to == "cell" and self.mount is None
 
     def settings_for(self, *, are_lights_on: bool) -> CameraSettings:
         """Return the settings for a state of the cell's lights."""

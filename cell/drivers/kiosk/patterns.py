@@ -46,35 +46,48 @@ def checkerboard(
     return _two_colours((rows[:, None] + columns[None, :]) % 2 == 1, dark, light)
 
 
-def gray_code_bits(size_px: int) -> int:
-    """Return how many Gray code pictures tell `size_px` places apart."""
-    return max(1, (size_px - 1).bit_length())
+def gray_code_bits(size_px: int, stripe_px: int = 1) -> int:
+    """Return how many Gray code pictures tell the stripes of `size_px` places apart."""
+    return max(1, (-(-size_px // stripe_px) - 1).bit_length())
+
+
+def gray_code_line(size_px: int, bit: int, stripe_px: int = 1) -> NDArray[np.bool_]:
+    """Return whether a bit of the reflected binary (Gray) code of each place is set, (size,).
+
+    Stripe i has the code i xor (i >> 1), so neighbours differ in one bit and a stripe's
+    blurred edge is never off by more than one stripe.
+
+    Args:
+        size_px: How many places there are.
+        bit: Which bit, 0 the finest; there are `gray_code_bits` of them.
+        stripe_px: How many places in a row have the same code.
+
+    Raises:
+        ValueError: The code has no such bit.
+    """
+    bits = gray_code_bits(size_px, stripe_px)
+    if not 0 <= bit < bits:
+        raise ValueError(f"{size_px} places have Gray code bits 0 to {bits - 1}, not {bit}")
+    stripes = np.arange(size_px) // stripe_px
+    return np.asarray(((stripes ^ (stripes >> 1)) >> bit) & 1 == 1)
 
 
 def gray_code(
     width_px: int, height_px: int, axis: Axis, bit: int, *, is_inverted: bool = False
 ) -> Pixels:
-    """Return the stripes of one bit of the reflected binary (Gray) code of each place.
-
-    Place i has the code i xor (i >> 1), so neighbours differ in one bit and a stripe's
-    blurred edge is never off by more than one place. A bit that is set is white.
+    """Return one bit of the Gray code of each column or row; a bit that is set is white.
 
     Args:
         width_px: Width of the picture.
         height_px: Height of the picture.
         axis: Whether columns or rows are told apart.
-        bit: Which bit, 0 the finest; there are `gray_code_bits` of them.
+        bit: Which bit; see `gray_code_line`.
         is_inverted: Whether set bits are black; a pixel is read best from the two pictures.
 
     Raises:
         ValueError: The code has no such bit.
     """
-    size_px = width_px if axis == "columns" else height_px
-    bits = gray_code_bits(size_px)
-    if not 0 <= bit < bits:
-        raise ValueError(f"{size_px} {axis} have Gray code bits 0 to {bits - 1}, not {bit}")
-    places = np.arange(size_px)
-    is_set = (((places ^ (places >> 1)) >> bit) & 1 == 1) != is_inverted
+    is_set = gray_code_line(width_px if axis == "columns" else height_px, bit) != is_inverted
     along = is_set[None, :] if axis == "columns" else is_set[:, None]
     return _two_colours(np.broadcast_to(along, (height_px, width_px)), BLACK, WHITE)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from calibration.drift.check import DotReference, measured_reference
 from calibration.drift.dots import dots
-from calibration.screen.region import playground_grid
+from calibration.playground import playground_grid
 from cell.geometry import CameraView, Transform
 from cell.profile import Profile, TwinCameraProfile
 from cell.twin.scene import SceneBlock

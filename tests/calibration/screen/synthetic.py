@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.playground import PLAYGROUND_MM, playground_grid
 from calibration.screen.decode import Correspondences
 from calibration.screen.joint_fit import Observations, PlacedBlock, ScreenFit, ScreenPlace
-from calibration.screen.region import PLAYGROUND_MM, playground_grid
 from cell.geometry import CameraView
 from cell.profile import Profile
 from tests.calibration.hidden_truth import hidden, true_view

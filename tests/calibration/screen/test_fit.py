@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calibration.playground import playground_grid
 from calibration.screen.held_out import left_out
 from calibration.screen.joint_fit import Touch, fit_screen, place_in_robot
-from calibration.screen.region import playground_grid
 from calibration.statistics import chi_square_quantile
 from tests.calibration.hidden_truth import hidden
 from tests.calibration.screen.synthetic import TOP_MM, screen_place, synthetic_cell

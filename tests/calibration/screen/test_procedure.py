@@ -9,10 +9,10 @@ import numpy as np
 from calibration.applying import calibrated_profile
 from calibration.catalogue import Site
 from calibration.drift.procedure import check_screen, drift
+from calibration.playground import playground_grid
 from calibration.record import make_record
 from calibration.requests import Capture, Request
 from calibration.screen.procedure import screen
-from calibration.screen.region import playground_grid
 from calibration.verdict import Grade
 from cell.geometry import CameraView
 from cell.store import StorePlan
