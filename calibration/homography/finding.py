@@ -27,6 +27,7 @@ Levels = NDArray[np.float32]
 _LEAST_SCREEN_LEVEL = 60.0
 _LEAST_CHANGE = 18.0
 _LEAST_LIGHT = 25.0
+_OBJECT_PERCENT = 99.9
 _ROUND = 0.72
 _AREAS = (0.55, 1.9)
 _ANY_AREA_PX = (600.0, 12_000.0)
@@ -44,10 +45,12 @@ class ObjectNotFound(CalibrationError):
 
     Attributes:
         finding: Why, and what to do.
+        findings: The same with what else is wrong.
     """
 
-    def __init__(self, finding: Finding) -> None:
+    def __init__(self, finding: Finding, *more: Finding) -> None:
         self.finding = finding
+        self.findings = (finding, *more)
         super().__init__(str(finding))
 
 
@@ -119,16 +122,14 @@ def on_screen(white: Pixels, black: Pixels) -> Levels:
     levels = np.asarray(cv2.max(cv2.max(red, green), blue), np.float32)
     screen = float(np.percentile(levels[::4, ::4], 80))
     if screen < _LEAST_SCREEN_LEVEL:
-        dark = float(np.percentile(black[::4, ::4], 99)) < _LEAST_LIGHT
-        also = " The lights are off, too." if dark else ""
         raise ObjectNotFound(
             _bad(
                 "screen-off",
                 f"white less black is {screen:.0f} grey levels, a lit screen gives "
-                f"{_LEAST_SCREEN_LEVEL:.0f} at least: the screen is off or shows something "
-                f"else.{also}",
+                f"{_LEAST_SCREEN_LEVEL:.0f} at least: the screen is off or shows something else",
                 "switch the television on and to the computer's input",
-            )
+            ),
+            *dark_room(black),
         )
     hidden = _hidden_share(levels < 0.5 * screen)
     if hidden > _HIDDEN_SHARE:
@@ -141,6 +142,25 @@ def on_screen(white: Pixels, black: Pixels) -> Levels:
             )
         )
     return levels
+
+
+def dark_room(black: Pixels) -> tuple[Finding, ...]:
+    """Return whether the lights are off in a picture with the screen black.
+
+    The object itself is bright under the lamps, also where nothing but the screen is in view.
+    """
+    brightest = float(np.percentile(black[::4, ::4], _OBJECT_PERCENT))
+    if brightest >= _LEAST_LIGHT:
+        return ()
+    return (
+        Finding(
+            code="lights-off",
+            grade=Grade.DEGRADED,
+            text=f"with the screen black nothing in the picture is brighter than "
+            f"{brightest:.0f} grey levels: the lights are off",
+            hint="switch the lights on, or look for burnt-out lamps",
+        ),
+    )
 
 
 def against_empty(picture: Pixels, empty: Pixels) -> Levels:

@@ -32,6 +32,7 @@ from calibration.homography.planning import (
 )
 from calibration.homography.result import failed, judged, pairs_of
 from calibration.homography.sampling import Pair, Sampler, prepared
+from calibration.homography.standing_still import judge_camera
 from calibration.procedure import (
     Procedure,
     Steps,
@@ -48,7 +49,7 @@ from calibration.procedure import (
     tell,
 )
 from calibration.reach import TableReach
-from calibration.verdict import Finding, Grade
+from calibration.verdict import Finding, Grade, worst
 from cell.devices.camera_features import FeatureName
 from cell.profile import Profile
 
@@ -127,9 +128,13 @@ def _found(
             pass
     except ObjectNotFound as error:
         yield from _tidy(sampler)
-        return failed(known, fitted, [*findings, error.finding])
+        return failed(known, fitted, [*findings, *error.findings])
     yield from _tidy(sampler)
-    findings = (*findings, *_blurred([*fitted, *tests]))
+    taken = [*fitted, *tests]
+    moved = judge_camera(taken)
+    findings = (*findings, *moved, *_blurred(taken), *_of_pictures(taken))
+    if worst(moved) is Grade.BAD:
+        return failed(known, taken, findings)
     return judged(
         known, fitted, tests, noise, quality_mm=quality_mm, by_arm=by_arm, findings=findings
     )
@@ -261,6 +266,12 @@ def _blurred(pairs: Sequence[Pair]) -> tuple[Finding, ...]:
         if pair.seen is not None and pair.seen.findings:
             return pair.seen.findings
     return ()
+
+
+def _of_pictures(pairs: Sequence[Pair]) -> tuple[Finding, ...]:
+    """Return what is wrong with the pictures, each thing once."""
+    found = {finding.code: finding for pair in pairs for finding in pair.findings}
+    return tuple(found.values())
 
 
 def _why_not(profile: Profile, *, by_arm: bool) -> IsReached:

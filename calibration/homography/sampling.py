@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.homography.finding import Seen, against_empty, find_object, on_screen
+from calibration.homography.finding import Seen, against_empty, dark_room, find_object, on_screen
 from calibration.homography.knowledge import CameraKnowledge, TableFit, expected_of, view_of
 from calibration.procedure import (
     Steps,
@@ -19,6 +20,7 @@ from calibration.procedure import (
     stand_aside,
 )
 from calibration.requests import Picture
+from calibration.verdict import Finding
 from cell.store import TablePlace
 
 Points = NDArray[np.float64]
@@ -35,6 +37,9 @@ class Pair:
         seen: How its centre was found; None if a person pointed at it.
         picture: Digest of the picture it was found in.
         levels: What it was found in, to look again when more is known.
+        still: The picture in grey at half its size, to see whether the camera stands still.
+        still_scale: How many px of the picture one of `still` is.
+        findings: What is wrong with the picture.
     """
 
     label: str
@@ -43,6 +48,9 @@ class Pair:
     seen: Seen | None
     picture: str
     levels: NDArray[np.float32] | None
+    still: NDArray[np.float32] | None = None
+    still_scale: float = 2.0
+    findings: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,10 +105,12 @@ class Sampler:
             yield from show("black")
             picture = yield from capture(camera, f"{label}, screen black")
             levels = on_screen(white.pixels, picture.pixels)
+            findings, scene = dark_room(picture.pixels), white
         else:
             picture = yield from capture(camera, label)
             empty = self.empty.pixels if self.empty is not None else picture.pixels
             levels = against_empty(picture.pixels, empty)
+            findings, scene = (), picture
         expected = expected_of(self.known.before, at_mm, self.known.height_mm, self.radius_mm)
         seen = find_object(levels, expected)
         return Pair(
@@ -110,6 +120,8 @@ class Sampler:
             seen=seen,
             picture=picture.digest,
             levels=levels,
+            still=_halved(scene.pixels),
+            findings=findings,
         )
 
     def again(self, pair: Pair, fit: TableFit) -> Pair:
@@ -123,14 +135,7 @@ class Sampler:
             return pair
         expected = expected_of(view, pair.point_mm, self.known.height_mm, self.radius_mm)
         seen = find_object(pair.levels, expected)
-        return Pair(
-            label=pair.label,
-            point_mm=pair.point_mm,
-            pixel=(seen.u_px, seen.v_px),
-            seen=seen,
-            picture=pair.picture,
-            levels=pair.levels,
-        )
+        return replace(pair, pixel=(seen.u_px, seen.v_px), seen=seen)
 
 
 def prepared(sampler: Sampler) -> Steps[Sampler]:
@@ -150,3 +155,9 @@ def prepared(sampler: Sampler) -> Steps[Sampler]:
         with_screen=False,
         empty=empty,
     )
+
+
+def _halved(pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
+    grey = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY)
+    return np.asarray(cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA),
+                      np.float32)  # fmt: skip

@@ -1,0 +1,114 @@
+"""Tells whether a camera stood still while pairs were taken.
+
+What does not move between two pictures is everything but the object: the screen's edge, the
+table, the store. The shift that brings one picture over the other is found by phase
+correlation, then by Gauss-Newton on the grey values (Lucas and Kanade 1981), with the places
+of the object in both left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.homography.sampling import Pair
+from calibration.verdict import Finding, Grade
+
+Grey = NDArray[np.float32]
+Points = NDArray[np.float64]
+
+SEEN_PX: Final = 0.4
+"""Shifts below this are not told from noise, shadows and the object's light."""
+
+_BAD_PX: Final = 1.0
+_AROUND: Final = 3.0
+_STEPS: Final = 12
+_DONE_PX: Final = 0.005
+_LEAST_SLOPE: Final = 0.05
+"""Mean square slope, in (grey levels a px)^2, below which a direction is not seen."""
+
+
+def judge_camera(pairs: Sequence[Pair]) -> tuple[Finding, ...]:
+    """Return whether the camera moved between the first pair and a later one."""
+    seen = [pair for pair in pairs if pair.still is not None]
+    if len(seen) < 2 or seen[0].still is None:
+        return ()
+    first = seen[0]
+    for before, pair in zip(seen, seen[1:], strict=False):
+        shift = shift_between(first, pair)
+        if shift is None:
+            continue
+        length = float(np.hypot(*shift))
+        if length > SEEN_PX:
+            return (
+                Finding(
+                    code="camera-moved",
+                    grade=Grade.BAD if length > _BAD_PX else Grade.DEGRADED,
+                    text=f"between {before.label} and {pair.label} the camera moved: everything "
+                    f"that stands still is seen {length:.1f} px ({shift[0]:+.1f}, {shift[1]:+.1f})"
+                    " from where it was",
+                    hint="tighten its mount, keep off the frame while it measures, and calibrate "
+                    "again",
+                    samples=tuple(one.label for one in seen[seen.index(pair) :]),
+                ),
+            )
+    return ()
+
+
+def shift_between(first: Pair, later: Pair) -> Points | None:
+    """Return by how many px (u, v) the fixed scene of a later picture lies elsewhere.
+
+    In a direction in which nothing of it has an edge the shift is 0. None where there is no
+    picture, or nothing fixed in it.
+    """
+    if first.still is None or later.still is None or first.still.shape != later.still.shape:
+        return None
+    one, other = (cv2.GaussianBlur(p.still, (0, 0), 1.5) for p in (first, later))
+    weight = _without_object(one.shape, (first, later), first.still_scale)
+    window = cv2.createHanningWindow(one.shape[::-1], cv2.CV_32F) * weight
+    (u, v), _ = cv2.phaseCorrelate(_slopes(one) * window, _slopes(other) * window)
+    shift = _refined(one, other, weight, np.array([u, v]))
+    return None if shift is None else shift * first.still_scale
+
+
+def _slopes(grey: Grey) -> Grey:
+    across, down = (cv2.Sobel(grey, cv2.CV_32F, *axes, scale=0.125) for axes in ((1, 0), (0, 1)))
+    return np.asarray(cv2.magnitude(across, down), np.float32)
+
+
+def _without_object(shape: tuple[int, ...], pairs: tuple[Pair, Pair], scale: float) -> Grey:
+    """Return 1 where neither picture shows the object, its side or its shadow."""
+    weight = np.ones(shape, np.float32)
+    for pair in pairs:
+        radius_px = pair.seen.radius_px if pair.seen is not None else 0.0
+        centre = (round(pair.pixel[0] / scale), round(pair.pixel[1] / scale))
+        cv2.circle(weight, centre, round(_AROUND * radius_px / scale), 0.0, -1)
+    return weight
+
+
+def _refined(one: Grey, other: Grey, weight: Grey, start: Points) -> Points | None:
+    height, width = one.shape
+    across, down = (cv2.Sobel(one, cv2.CV_32F, *axes, scale=0.125) for axes in ((1, 0), (0, 1)))
+    slopes = np.stack([across, down]) * weight
+    square = np.einsum("ahw,bhw->ab", slopes, slopes, dtype=np.float64)
+    strength, axes = np.linalg.eigh(square / float(weight.sum()))
+    is_seen = strength > _LEAST_SLOPE
+    if not is_seen.any():
+        return None
+    inverse = (axes[:, is_seen] / strength[is_seen]) @ axes[:, is_seen].T / float(weight.sum())
+    shift = axes[:, is_seen] @ (axes[:, is_seen].T @ start)
+    for _ in range(_STEPS):
+        back = np.array([[1.0, 0.0, shift[0]], [0.0, 1.0, shift[1]]])
+        moved = cv2.warpAffine(
+            other, back, (width, height), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )  # fmt: skip
+        step = -inverse @ np.einsum("ahw,hw->a", slopes, moved - one, dtype=np.float64)
+        shift = shift + step
+        if float(np.hypot(*step)) < _DONE_PX:
+            break
+    return shift
