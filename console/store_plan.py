@@ -150,11 +150,16 @@ def _looks_around(hands: ByHand, cell: Profile, camera: str, layout: SheetLayout
         raise ConsoleError(
             f"the arm can bring camera {camera} nowhere from where it sees the sheet", Exit.FAILED
         )
+    were_on = playground.arm.arm.read_output(cell.outputs.lights)
+    playground.switch_lights(is_on=True)
     looks = []
-    for one in poses:
-        playground.arm.move_joint(one.pose)
-        pixels = playground.grab(camera).pixels
-        looks.append(hand.look(pixels, playground.read_pose()))
+    try:
+        for one in poses:
+            playground.arm.move_joint(one.pose)
+            pixels = playground.grab(camera).pixels
+            looks.append(hand.look(pixels, playground.read_pose()))
+    finally:
+        playground.switch_lights(is_on=were_on)
     hands.home()
     return looks
 

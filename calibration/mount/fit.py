@@ -189,7 +189,7 @@ def _step(
         return -whiten.all(scene.slopes(state.moved(change), with_scale=with_scale)[0])
 
     return least_squares(
-        residuals, np.zeros(count), jacobian=slopes, is_noise_known=True, steps=25, tolerance=1e-9
+        residuals, np.zeros(count), jacobian=slopes, is_noise_known=True, steps=25, tolerance=1e-6
     )
 
 

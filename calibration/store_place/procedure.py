@@ -17,6 +17,7 @@ from calibration.procedure import (
     ask_number,
     ask_numbers,
     capture,
+    light,
     move_tool,
     read_tool,
     stand_aside,
@@ -157,6 +158,7 @@ def _by_hand_camera(
             f"the arm can bring camera {camera} nowhere from where it sees the store's sheet; "
             "touch its corners instead"
         )
+    yield from light(is_on=True)
     looks, digests = [], []
     for number, one in enumerate(poses, 1):
         yield from tell(f"look {number} of {len(poses)}", number - 1, len(poses))

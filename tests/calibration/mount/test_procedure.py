@@ -136,7 +136,7 @@ def test_a_check_is_ok_until_the_camera_or_the_screen_moves_and_tells_which() ->
         update={"position_mm": (x + 1.5, y - 1.0, z), "rotation_deg": (a, b + 0.4, c)}
     )
     pushed = truth.display.model_copy(update={"corner_x_mm": truth.display.corner_x_mm + 3.0})
-    cases = (
+    cases: tuple[tuple[Profile, Grade, list[str]], ...] = (
         (truth, Grade.OK, []),
         (truth_with(truth, bumped), Grade.BAD, ["camera-moved"]),
         (truth_with(truth, camera, pushed), Grade.DEGRADED, ["target-moved"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -79,7 +80,7 @@ def test_the_gripper_camera_finds_the_sheet_and_tells_which_slots_are_empty() ->
     assert sum(state == "occupied" for state in states.values()) >= len(states) - len(gone) - 2
 
 
-def calibrated_place(values: dict[str, object]) -> StoreProfile:
+def calibrated_place(values: Mapping[str, object]) -> StoreProfile:
     return StoreProfile.model_validate(
         {"corner_mm": values["store.corner_mm"], "angle_deg": values["store.angle_deg"]}
     )
