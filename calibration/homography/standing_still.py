@@ -67,12 +67,16 @@ def shift_between(first: Pair, later: Pair) -> Points | None:
     """
     if first.still is None or later.still is None or first.still.shape != later.still.shape:
         return None
-    one, other = (cv2.GaussianBlur(p.still, (0, 0), 1.5) for p in (first, later))
+    one, other = _smooth(first.still), _smooth(later.still)
     weight = _without_object(one.shape, (first, later), first.still_scale)
     window = cv2.createHanningWindow(one.shape[::-1], cv2.CV_32F) * weight
     (u, v), _ = cv2.phaseCorrelate(_slopes(one) * window, _slopes(other) * window)
     shift = _refined(one, other, weight, np.array([u, v]))
     return None if shift is None else shift * first.still_scale
+
+
+def _smooth(grey: Grey) -> Grey:
+    return np.asarray(cv2.GaussianBlur(grey, (0, 0), 1.5), np.float32)
 
 
 def _slopes(grey: Grey) -> Grey:

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.lens.board_markers import DICTIONARIES, SeenMarkers, find_markers
 from calibration.lens.fit import BoardView
 from calibration.verdict import Finding, Grade
 from cell.vision.boards import Board, find_chessboard, grey_of
@@ -26,6 +27,15 @@ _SHARP = 0.13
 _SAME_PX = 3.0
 _ENOUGH_PX = 900
 _UNIT_SLACK = 0.35
+_LEAST_MARKERS = 4
+_IN_ORDER = 0.15
+_LIKELY_MM = (100.0, 10_000.0)
+"""How far from a camera boards are held: a lens is not sharp nearer, and sees no corner further."""
+_UNITS = (
+    (0.1, "cm-for-mm", "centimetres"),
+    (1 / 25.4, "inches-for-mm", "inches"),
+    (0.001, "m-for-mm", "metres"),
+)
 _SIDES = ("left", "right", "top", "bottom")
 
 
@@ -65,9 +75,9 @@ def without_board(label: str, picture: Pixels) -> Finding:
 
 
 def other_board(picture: Pixels, board: Board) -> Finding | None:
-    """Return which other chessboard a picture shows, if one of a similar size."""
+    """Return which other board a picture shows: of another size, or with other markers."""
     if board.kind != "chessboard":
-        return None
+        return other_charuco(picture, board)
     sizes = [
         (board.columns + i, board.rows + j)
         for i in range(-2, 3)
@@ -90,6 +100,69 @@ def other_board(picture: Pixels, board: Board) -> Finding | None:
                 else "give the board's size",
             )
     return None
+
+
+def other_charuco(picture: Pixels, board: Board) -> Finding | None:
+    """Return which other ChArUco board a picture shows, if its markers tell."""
+    own = find_markers(picture, board.dictionary)
+    if len(own.ids) < _LEAST_MARKERS:
+        return _other_dictionary(picture, board, len(own.ids))
+    columns = _columns_of(own, board)
+    count = board.columns * board.rows // 2
+    last = int(own.ids.max())
+    if columns in (None, board.columns) and last < count:
+        return None
+    seen = f"{columns} squares across" if columns not in (None, board.columns) else "more squares"
+    rows = "" if last < count else f", and a marker number {last}, where {count - 1} is the last"
+    return Finding(
+        code="wrong-board",
+        grade=Grade.BAD,
+        text=f"the markers' order is that of a board with {seen}{rows}; {board.columns} x "
+        f"{board.rows} were given",
+        hint="count the squares across and down, black and white ones, and give those",
+    )
+
+
+def _other_dictionary(picture: Pixels, board: Board, own: int) -> Finding | None:
+    counts = {name: len(find_markers(picture, name).ids) for name in DICTIONARIES}
+    best = max(counts, key=lambda name: counts[name])
+    if counts[best] < max(_LEAST_MARKERS, 2 * own + 1):
+        return None
+    return Finding(
+        code="wrong-board",
+        grade=Grade.BAD,
+        text=f"the board's markers are of the dictionary {best} or a larger one of its family "
+        f"({counts[best]} were read), {board.dictionary} was given",
+        hint=f"answer `dictionary` with {best}, or take the board that was meant",
+    )
+
+
+def _columns_of(seen: SeenMarkers, board: Board) -> int | None:
+    """Return the number of squares across for which the markers lie as a board's do."""
+    best: tuple[float, int] | None = None
+    for columns in range(3, 2 * board.columns + 3):
+        # Two markers to every two rows of squares, one fewer in an odd row of odd boards.
+        cells = np.array([_square_of(int(i), columns) for i in seen.ids], np.float64)
+        if np.ptp(cells[:, 1]) < 1.0 or np.ptp(cells[:, 0]) < 1.0:
+            continue
+        matrix, _ = cv2.findHomography(cells, seen.centres_px)
+        if matrix is None:
+            continue
+        there = cv2.perspectiveTransform(cells[None], matrix)[0]
+        off = float(np.median(np.hypot(*(there - seen.centres_px).T))) / seen.side_px
+        best = min(best or (off, columns), (off, columns))
+    if best is None or best[0] > _IN_ORDER:
+        return None
+    return best[1]
+
+
+def _square_of(marker: int, columns: int) -> tuple[int, int]:
+    """Return column and row of the white square that a marker is in."""
+    even, odd = columns // 2, (columns + 1) // 2
+    pair, rest = divmod(marker, even + odd)
+    if rest < even:
+        return 2 * rest + 1, 2 * pair
+    return 2 * (rest - even), 2 * pair + 1
 
 
 def duplicates(views: Sequence[BoardView]) -> tuple[tuple[str, str], ...]:
@@ -197,15 +270,16 @@ def few_views(count: int) -> Finding:
 def judge_distance(poses: Sequence[Points], measured_mm: float) -> tuple[Finding, ...]:
     """Return whether the squares' given size fits a distance that somebody measured.
 
-    Lens and pictures alone do not tell the size of the squares.
+    Lens and pictures alone do not tell the size of the squares. Where nobody measured, only
+    a distance at which no lens is sharp shows that it is wrong; the lens is the same with any.
     """
-    if measured_mm <= 0 or not poses:
+    if not poses:
         return ()
-    ratio = float(np.median([pose[5] for pose in poses])) / measured_mm
-    for factor, code, unit in (
-        (0.1, "cm-for-mm", "centimetres"),
-        (1 / 25.4, "inches-for-mm", "inches"),
-    ):
+    told_mm = float(np.median([pose[5] for pose in poses]))
+    if measured_mm <= 0:
+        return _unlikely_distance(told_mm)
+    ratio = told_mm / measured_mm
+    for factor, code, unit in _UNITS:
         if abs(ratio / factor - 1.0) < _UNIT_SLACK:
             return (
                 Finding(
@@ -214,6 +288,17 @@ def judge_distance(poses: Sequence[Points], measured_mm: float) -> tuple[Finding
                     text=f"by the squares' size the board was {ratio:.2g} times as far away as "
                     f"measured: the size seems to be given in {unit}",
                     hint="give the side of a square in millimetres",
+                ),
+            )
+        if abs(ratio * factor - 1.0) < _UNIT_SLACK:
+            return (
+                Finding(
+                    code=code,
+                    grade=Grade.BAD,
+                    text=f"by the squares' size the board was {ratio:.4g} times as far away as "
+                    f"measured: the distance seems to be given in {unit}",
+                    hint="give the distance in millimetres, and look whether the side of a square "
+                    "is right",
                 ),
             )
     if abs(ratio - 1.0) > _UNIT_SLACK:
@@ -227,6 +312,32 @@ def judge_distance(poses: Sequence[Points], measured_mm: float) -> tuple[Finding
             ),
         )
     return ()
+
+
+def _unlikely_distance(told_mm: float) -> tuple[Finding, ...]:
+    low, high = _LIKELY_MM
+    if low <= told_mm <= high:
+        return ()
+    for factor, code, unit in _UNITS:
+        if code != "inches-for-mm" and low <= told_mm / factor <= high:
+            return (
+                Finding(
+                    code=code,
+                    grade=Grade.DEGRADED,
+                    text=f"by the squares' size the board was {told_mm:.3g} mm away: the size "
+                    f"seems to be given in {unit} (the lens comes out the same with any)",
+                    hint="give the side of a square in millimetres, and the distance as measured",
+                ),
+            )
+    return (
+        Finding(
+            code="wrong-square-size",
+            grade=Grade.DEGRADED,
+            text=f"by the squares' size the board was {told_mm:.3g} mm away (the lens comes out "
+            "the same with any size)",
+            hint="measure a square of the printed board, and give it in millimetres",
+        ),
+    )
 
 
 def _where(empty: NDArray[np.bool_]) -> str:

@@ -45,6 +45,7 @@ class _Gathered:
     findings: list[Finding] = field(default_factory=list)
     pictures: dict[str, str] = field(default_factory=dict)
     missed: list[Picture] = field(default_factory=list)
+    first: Picture | None = None
     size_px: tuple[int, int] | None = None
 
     def take(self, label: str, picture: Picture) -> bool:
@@ -69,6 +70,7 @@ class _Gathered:
             self.findings.append(without_board(label, picture.pixels))
             self.missed.append(picture)
             return False
+        self.first = self.first or picture
         self.views.append(BoardView(label=label, ids=found.ids, pixels=found.pixels))
         self.pictures[label] = picture.digest
         return True
@@ -183,10 +185,8 @@ def _judged(
     distance_mm: float,
 ) -> Measurement:
     findings = gathered.findings
-    is_sharp = bool(findings) and all(f.code == "board-not-found" for f in findings)
-    if not gathered.views and gathered.missed and is_sharp:
-        other = other_board(gathered.missed[0].pixels, gathered.board)
-        findings = [*findings, other] if other is not None else findings
+    other = _other(gathered)
+    findings = [*findings, other] if other is not None else findings
     size = gathered.size_px or (1280, 960)
     if size[0] * 3 != size[1] * 4:
         findings = [*findings, _not_four_to_three(size)]
@@ -202,6 +202,18 @@ def _judged(
         pictures=gathered.pictures,
         findings=findings,
     )
+
+
+def _other(gathered: _Gathered) -> Finding | None:
+    """Return which other board was shown, if so."""
+    if gathered.first is not None:
+        # Corners of a ChArUco board are also found where its squares were miscounted.
+        is_charuco = gathered.board.kind == "charuco"
+        return other_board(gathered.first.pixels, gathered.board) if is_charuco else None
+    is_sharp = all(f.code == "board-not-found" for f in gathered.findings)
+    if not gathered.missed or not is_sharp:
+        return None
+    return other_board(gathered.missed[0].pixels, gathered.board)
 
 
 def _not_four_to_three(size: tuple[int, int]) -> Finding:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+from calibration.homography.finding import ObjectNotFound, Seen, on_screen
 from calibration.homography.judging import Pairs
 from calibration.homography.knowledge import knowledge_of
 from calibration.homography.noise import PairNoise
@@ -37,8 +38,6 @@ def scene(shift_px: tuple[float, float], object_px: tuple[float, float], seed: i
     u, v = object_px
     cv2.circle(grey, (round(u / 2), round(v / 2)), 14, 90.0, -1)
     grey += random.normal(0.0, 1.0, grey.shape).astype(np.float32)
-    from calibration.homography.finding import Seen
-
     seen = Seen(u_px=u, v_px=v, radius_px=28.0, deviation_px=0.02, edge_px=2.0,
                 is_side_hidden=False)  # fmt: skip
     return Pair(label=f"pair {seed}", point_mm=(0.0, 0.0), pixel=(u, v), seen=seen, picture="",
@@ -142,3 +141,19 @@ def test_the_pair_from_which_on_all_are_off_is_named(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_sound_pairs_are_not_accused(seed: int) -> None:
     assert touched(seed, 0, 0) == []
+
+
+def test_lights_that_are_off_under_a_lit_screen_are_named_and_do_no_harm() -> None:
+    with twin_of(NOMINAL, hidden(NOMINAL, 9), 9) as cell:
+        cell.world.burn_out_lamps()
+        found = played(calibrate_homography(site_of(NOMINAL)), {"fresh": 0.0}, cell)
+    (finding,) = (f for f in found.findings if f.code == "lights-off")
+    assert finding.grade.value == "DEGRADED"
+    assert "cameras.top.plane_map" in found.values
+
+
+def test_screen_and_lights_that_are_off_are_both_named() -> None:
+    dark = np.full((96, 128, 3), 6, np.uint8)
+    with pytest.raises(ObjectNotFound) as error:
+        on_screen(dark, dark)
+    assert [finding.code for finding in error.value.findings] == ["screen-off", "lights-off"]
