@@ -197,7 +197,7 @@ def test_one_marker_gives_a_place_and_says_what_it_cannot_tell() -> None:
     pixels[v0:v1, u0:u1] = whole[v0:v1, u0:u1]
     reading = read_sheet([Look(pixels=pixels, view=VIEW)], LAYOUT, surface_mm=SURFACE_MM)
     assert reading.seen == (5,)
-    assert codes(reading) == ["one-marker"]
+    assert codes(reading) == ["one-marker", "covered"]
     assert reading.held_out_rms_mm is None
 
 
