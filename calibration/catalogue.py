@@ -119,14 +119,14 @@ CATALOGUE: Final[tuple[Entry, ...]] = (
         name="eye-in-hand",
         kind="eye-in-hand",
         target="calibration.eye_in_hand.procedure:eye_in_hand",
-        check="",
+        check="calibration.eye_in_hand.procedure:check_eye_in_hand",
         summary="where the camera sits on a SCARA's second link, with the links' lengths",
     ),
     Entry(
         name="servo-maps",
         kind="servo-maps",
         target="calibration.servo.procedure:servo_maps",
-        check="",
+        check="calibration.servo.procedure:check_servo_maps",
         summary="where hobby servos go when they are told to, and how the arm sags",
     ),
 )

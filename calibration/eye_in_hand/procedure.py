@@ -12,6 +12,7 @@ import numpy as np
 
 from calibration.catalogue import Site
 from calibration.errors import CalibrationError, FitFailed
+from calibration.eye_in_hand.checking import LIMIT_MM, checked, eye_of
 from calibration.eye_in_hand.guidance import Reach, next_look, viewing_joints
 from calibration.eye_in_hand.judge import Fresh, point_guess
 from calibration.eye_in_hand.measurement import measure_eye_in_hand
@@ -19,6 +20,7 @@ from calibration.eye_in_hand.refine import refine
 from calibration.eye_in_hand.samples import LineLook, Look, Noise, Samples, Stages, Touch
 from calibration.eye_in_hand.two_stage import two_stage
 from calibration.procedure import Procedure, Steps, ask_number, ask_numbers, tell
+from calibration.record import CalibrationRecord
 from cell.geometry.eye_in_hand import EyeInHand
 from cell.profile.ibm7545 import EyeInHandProfile, Ibm7545Profile
 
@@ -26,6 +28,7 @@ _PAIRS: Final = 3
 _LOOKS: Final = 10
 _TOUCHES: Final = 2
 _MOST: Final = 200
+_CHECKED: Final = 3
 
 
 def eye_in_hand(site: Site) -> Procedure:
@@ -53,9 +56,23 @@ def eye_in_hand(site: Site) -> Procedure:
     for number in range(2, count + 1):
         touches.append((yield from _touch(number, "The same point once more")))
     lines = yield from _lines()
-    fresh = yield from _fresh()
+    fresh = yield from _fresh(0, 0)
     samples = Samples(looks=tuple(looks), touches=tuple(touches), lines=tuple(lines), noise=noise)
     return measure_eye_in_hand(samples, stages, fresh, eye, reach=reach)
+
+
+def check_eye_in_hand(site: Site, record: CalibrationRecord) -> Procedure:
+    """Check an eye in hand: fresh points are seen, then met with the gripper.
+
+    Raises:
+        CalibrationError: The record holds no eye in hand.
+    """
+    eye_of(record)
+    limit_mm = yield from ask_number(
+        "limit", "Up to which miss of the gripper is it good?", unit="mm", default=LIMIT_MM
+    )
+    fresh = yield from _fresh(_CHECKED, 1)
+    return checked(record, fresh, limit_mm)
 
 
 def _stages(eye: EyeInHand) -> Steps[list[Stages]]:
@@ -148,9 +165,9 @@ def _lines() -> Steps[list[LineLook]]:
     return lines
 
 
-def _fresh() -> Steps[list[Fresh]]:
+def _fresh(usual: int, least: int) -> Steps[list[Fresh]]:
     count = yield from _count(
-        "fresh", "How many other points will be seen and met by the gripper, to check", 0, 0
+        "fresh", "How many other points will be seen and met by the gripper, to check", usual, least
     )
     points = []
     for number in range(1, count + 1):

@@ -11,17 +11,20 @@ from typing import Final
 from calibration.catalogue import Site
 from calibration.errors import CalibrationError, FitFailed
 from calibration.procedure import Procedure, Steps, ask_choice, ask_number, ask_numbers, tell
+from calibration.record import CalibrationRecord
+from calibration.servo.checking import LIMIT_MM, checked, correction_of
 from calibration.servo.fitting import fit_servos
 from calibration.servo.judge import mount_for, next_pose, sweep_plan
 from calibration.servo.measurement import measure_servos
 from calibration.servo.samples import BACK, TOP, MarkerNoise, Mount, Sight
 from cell.geometry import Pose, Transform
 from cell.kinematics.lynx import LynxArm
-from cell.kinematics.servo_map import Five
+from cell.kinematics.servo_map import ArmCorrection, Five
 from cell.profile.lynx import LynxProfile
 
 _MOST: Final = 500
 _LEAST: Final = 30
+_CHECKED: Final = 6
 _LAST: Final = 6
 """How many of the last sights are asked for where the gripper is known worst."""
 
@@ -33,13 +36,7 @@ def servo_maps(site: Site) -> Procedure:
         CalibrationError: The cell's arm has no servos that need it.
         FitFailed: What was measured tells too little.
     """
-    profile = site.profile.arm
-    if not isinstance(profile, LynxProfile):
-        raise CalibrationError(
-            f"the arm of {site.profile.name} is a {profile.model}; servo maps are measured on a "
-            "lynx-al5d, whose hobby servos do not tell where they are"
-        )
-    arm = LynxArm.from_profile(profile)
+    arm = _arm(site)
     mounts = yield from _mounts()
     noise = yield from _noise()
     plan = sweep_plan(arm)
@@ -54,6 +51,49 @@ def servo_maps(site: Site) -> Procedure:
     for number in range(1, extra + 1):
         fresh.append((yield from _sight("fresh", number, None, [])))
     return measure_servos(sights, arm, fresh=fresh, mounts=mounts, noise=noise)
+
+
+def check_servo_maps(site: Site, record: CalibrationRecord) -> Procedure:
+    """Check servo maps: the arm is commanded to fresh poses, a camera sees the marker.
+
+    Raises:
+        CalibrationError: The cell's arm has no servos, or the record holds no maps.
+    """
+    arm = _arm(site)
+    correction = correction_of(record)
+    limit_mm = yield from ask_number(
+        "limit", "Up to which miss of the marker is it good?", unit="mm", default=LIMIT_MM
+    )
+    mounts = yield from _mounts()
+    noise = yield from _noise()
+    count = yield from _count("fresh", "How many poses will be taken to check", _CHECKED, 1)
+    plan = _inside(sweep_plan(arm), correction)
+    sights = []
+    for number in range(1, count + 1):
+        yield from tell(f"pose {number} of {count}", number - 1, count)
+        advised = plan[(number - 1) * len(plan) // count] if plan else None
+        sights.append((yield from _sight("fresh", number, advised, [])))
+    return checked(record, arm.geometry, sights, mounts, noise, limit_mm)
+
+
+def _arm(site: Site) -> LynxArm:
+    profile = site.profile.arm
+    if not isinstance(profile, LynxProfile):
+        raise CalibrationError(
+            f"the arm of {site.profile.name} is a {profile.model}; servo maps are measured on a "
+            "lynx-al5d, whose hobby servos do not tell where they are"
+        )
+    return LynxArm.from_profile(profile)
+
+
+def _inside(plan: tuple[Five, ...], correction: ArmCorrection) -> tuple[Five, ...]:
+    """Return the poses of a plan at which every servo was measured."""
+    ranges = [one.commanded_range_deg for one in correction.maps]
+    return tuple(
+        pose
+        for pose in plan
+        if all(low <= angle <= high for angle, (low, high) in zip(pose, ranges, strict=True))
+    )
 
 
 def _mounts() -> Steps[tuple[Mount, ...]]:
