@@ -236,7 +236,8 @@ def test_an_object_that_was_touched_after_placing_is_named() -> None:
             after=lambda request: touched(cell, request),
         )  # fmt: skip
     (finding,) = (f for f in found.findings if f.code == "object-moved")
-    assert finding.samples == ("pair 3",)
+    # Gripped as it lies, it is put down as far off once more.
+    assert finding.samples == ("pair 3", "pair 4")
     assert found.values == {}
 
 
