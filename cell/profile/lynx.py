@@ -85,6 +85,7 @@ class LynxCorrectionProfile(Table):
     ]
     """Pairs of commanded and reached angle of each joint, both growing."""
     sag: LynxSagProfile = LynxSagProfile()
+    """How far the leaning joints give way to weight."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
