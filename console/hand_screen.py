@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -44,6 +45,10 @@ class HandScreen:
     def shown(self) -> str:
         """Return the name of the picture that this command showed; empty for none."""
         return self._shown
+
+    def bookmark(self) -> Callable[[], None]:
+        """Return what shows the present picture again, also one from before this command."""
+        return self._serving().bookmark()
 
     def close(self) -> None:
         """Serve the page no more; closing twice is harmless."""

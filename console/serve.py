@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter, validators
 
 from console.calibrating import with_calibrations
+from console.drifting import drift_check, tell_last_check
 from console.exits import ConsoleError, Exit
 from console.options import ProfileName, Wires, WiresOption
 from console.output import put, say
-from console.places import cell_folder, recordings_folder
+from console.places import calibrations_folder, cell_folder, recordings_folder
 from console.signals import signals_handled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from calibration.applying import Calibrated
+    from calibration.checks import Checks
     from cell.profile import Profile
     from cell.robot_cell import RobotCell
     from cell.twin_cell import TwinCell
@@ -127,11 +129,13 @@ def _host(
     recordings: Path | None,
 ) -> Hosted[TwinCell] | Hosted[RobotCell]:
     """Put the cell together; it is given back when the stack is closed."""
+    from calibration.checks import Checks
     from cell.clock import SimulatedClock, SystemClock
     from console.scripts import load_script
     from sessions.hosting import host_hardware, host_twin
 
     known = with_calibrations(profile)
+    checks = Checks(calibrations_folder(profile.name))
     hosted: Hosted[TwinCell] | Hosted[RobotCell]
     if wires == "hardware":
         from cell.drivers.kiosk import KioskScreen, KioskSettings
@@ -151,6 +155,7 @@ def _host(
             recordings=recordings,
             views=views,
             calibrations=known.records,
+            checks=checks,
         )
     else:
         hosted = host_twin(
@@ -164,14 +169,15 @@ def _host(
             views=views,
             wires=wires,
             calibrations=known.records,
+            checks=checks,
         )
     stack.callback(hosted.close)
-    _tell_calibrations(known)
+    _tell_calibrations(known, checks)
     return hosted
 
 
-def _tell_calibrations(known: Calibrated[Profile]) -> None:
-    """Tell which calibrations are in force, and what the cell demands and does not have."""
+def _tell_calibrations(known: Calibrated[Profile], checks: Checks) -> None:
+    """Tell which calibrations are in force, whether they hold, and what is demanded and missing."""
     from calibration.verdict import Grade
     from console.calibrating import in_a_line, now
     from sessions.quality import shortcomings
@@ -179,7 +185,8 @@ def _tell_calibrations(known: Calibrated[Profile]) -> None:
     at = now()
     for record in known.records:
         say(in_a_line(record, at), "dim" if record.grade is Grade.OK else "yellow")
-    for problem in shortcomings(known.profile, known.records):
+    tell_last_check(known.profile, checks)
+    for problem in shortcomings(known.profile, known.records, checks=checks):
         say(f"warning: no task will begin: {problem}", "yellow")
 
 
@@ -197,6 +204,8 @@ def _start_watchdog(hosted: Hosted[TwinCell] | Hosted[RobotCell], stack: ExitSta
         SystemClock(),
         wire=hosted.wire,
         versions=versions(),
+        calibrations=drift_check(hosted.cell.profile, hosted.desk.calibrations),
+        is_wanted=lambda: hosted.desk.is_wanted,
     )
     stack.callback(watching.close)
     thread = WatchdogThread(watching.watchdog)

@@ -42,27 +42,37 @@ def run(
     from contextlib import nullcontext
 
     from cell.profile import load_profile
-    from cell.watchdog import WireLog, component_tests
-    from console.assembling import assemble, clock_for
+    from cell.watchdog import WireLog
+    from console.assembling import assemble_known, clock_for, plan_of
+    from console.calibrating import with_calibrations
+    from console.drifting import drift_check
     from sessions.hosting import versions
     from sessions.watching import watch
 
     used = load_profile(profile)
     clock, folder = clock_for(wires), cell_folder(used.name)
     wire = WireLog(clock)
-    cell = assemble(used, script, wires, clock, wire)
+    known = with_calibrations(used)
+    cell = assemble_known(known, used, plan_of(script), wires, clock, wire)
     try:
-        known = [test.component for test in component_tests(cell)]
-        unknown = sorted(set(only or ()) - set(known))
-        if unknown:
-            raise ConsoleError(
-                f"--only {unknown[0]}: there is no such component; there are {', '.join(known)}"
-            )
         watching = watch(
-            cell, lambda: nullcontext(True), folder, clock, wire=wire, versions=versions()
+            cell,
+            lambda: nullcontext(True),
+            folder,
+            clock,
+            wire=wire,
+            versions=versions(),
+            calibrations=drift_check(known.profile, known.records),
         )
-        say("testing " + ", ".join(only or known), "dim")
         try:
+            components = [test.component for test in watching.watchdog.tests()]
+            unknown = sorted(set(only or ()) - set(components))
+            if unknown:
+                raise ConsoleError(
+                    f"--only {unknown[0]}: there is no such component; there are "
+                    f"{', '.join(components)}"
+                )
+            say("testing " + ", ".join(only or components), "dim")
             done = watching.watchdog.run_round(only or ())
             watching.outbox.deliver()
         finally:

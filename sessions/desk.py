@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+from calibration.checks import Checks
 from calibration.record import CalibrationRecord
 from cell.devices.camera import Frame
 from cell.events import EventBus
@@ -73,6 +74,7 @@ class Desk:
         profile: The cell's profile, with the calibrations in force.
         profile_text: Its TOML text, without them.
         calibrations: The calibrations in force.
+        checks: What is kept of the checks whether they hold; None where none are kept.
         events: Where sessions tell what happens.
         views: Encodes views.
         journal_factory: Opens the journal of a session that takes the cell.
@@ -89,6 +91,7 @@ class Desk:
         events: EventBus,
         profile_text: str = "",
         calibrations: tuple[CalibrationRecord, ...] = (),
+        checks: Checks | None = None,
         seed: int | None = None,
         journal_factory: Callable[[SessionStart], Journal] = _no_journal,
         versions: Mapping[str, str] | None = None,
@@ -103,6 +106,7 @@ class Desk:
             events: Where sessions tell what happens.
             profile_text: The profile's TOML text without them, for recordings.
             calibrations: The calibrations in force.
+            checks: What is kept of the checks whether they hold.
             seed: Seed of the first session, from which those of the others follow; a
                 random one unless given.
             journal_factory: Opens the journal of a session that takes the cell.
@@ -114,6 +118,7 @@ class Desk:
         self.profile = profile
         self.profile_text = profile_text
         self.calibrations = calibrations
+        self.checks = checks
         self.events = events
         self.views = ViewEncoder()
         self.journal_factory = journal_factory
@@ -123,6 +128,12 @@ class Desk:
         self._lock = threading.Lock()
         self._holder: object | None = None
         self._is_asleep = False
+        self._is_wanted = False
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether somebody asked for the cell while another one has it."""
+        return self._is_wanted
 
     @property
     def is_asleep(self) -> bool:
@@ -142,14 +153,19 @@ class Desk:
     def is_taken_from(self, who: object) -> bool:
         """Return whether anybody else has the cell."""
         holder = self._holder
-        return holder is not None and holder is not who
+        is_others = holder is not None and holder is not who
+        self._is_wanted = self._is_wanted or is_others
+        return is_others
 
     def take(self, who: object) -> bool:
         """Give the cell to `who` if it is free, or already theirs; return whether it is theirs."""
         with self._lock:
             if self._holder is None:
                 self._holder = who
-            return self._holder is who
+                self._is_wanted = False
+            is_theirs = self._holder is who
+            self._is_wanted = self._is_wanted or not is_theirs
+            return is_theirs
 
     def give_back(self, who: object) -> None:
         """Take the cell back from `who`; harmless if they do not have it."""

@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 import cv2
 
 from calibration.applying import calibrated_profile
+from calibration.checks import Checks
 from calibration.record import CalibrationRecord
 from cell.assembly import assemble_hardware, assemble_twin
 from cell.assembly.wires import TwinWires
@@ -68,6 +69,7 @@ def host_twin(
     views: PictureStorage = "jpeg",
     wires: TwinWires = "memory",
     calibrations: tuple[CalibrationRecord, ...] = (),
+    checks: Checks | None = None,
 ) -> Hosted[TwinCell]:
     """Put a twin cell and its desk together.
 
@@ -82,6 +84,7 @@ def host_twin(
         views: How recorded pictures are kept.
         wires: How drivers and emulators are joined.
         calibrations: The calibrations in force, which go before what the file says.
+        checks: What is kept of the checks whether they hold.
 
     Raises:
         ScriptUnservable: The cell lacks what the script needs.
@@ -106,7 +109,7 @@ def host_twin(
         truth=profile,
     )
     journals = _journals(recordings, events, clock, views, tap)
-    desk = _desk(cell, script, profile_text, calibrations, events, seed, journals)
+    desk = _desk(cell, script, profile_text, calibrations, checks, events, seed, journals)
     return Hosted(cell, desk, wire)
 
 
@@ -123,6 +126,7 @@ def host_hardware(
     recordings: Path | None = None,
     views: PictureStorage = "jpeg",
     calibrations: tuple[CalibrationRecord, ...] = (),
+    checks: Checks | None = None,
 ) -> Hosted[RobotCell]:
     """Put a cell on the ports of its profile and its desk together.
 
@@ -138,6 +142,7 @@ def host_hardware(
         recordings: Where sessions are recorded; None records nothing.
         views: How recorded pictures are kept.
         calibrations: The calibrations in force, which go before what the file says.
+        checks: What is kept of the checks whether they hold.
 
     Raises:
         ScriptUnservable: The cell lacks what the script needs.
@@ -161,7 +166,7 @@ def host_hardware(
         events=events,
     )
     journals = _journals(recordings, events, clock, views, tap)
-    desk = _desk(cell, script, profile_text, calibrations, events, seed, journals)
+    desk = _desk(cell, script, profile_text, calibrations, checks, events, seed, journals)
     return Hosted(cell, desk, wire)
 
 
@@ -182,6 +187,7 @@ def _desk(
     script: CellScript,
     profile_text: str,
     calibrations: tuple[CalibrationRecord, ...],
+    checks: Checks | None,
     events: EventBus,
     seed: int,
     journals: Callable[[SessionStart], Journal],
@@ -195,6 +201,7 @@ def _desk(
         events=events,
         profile_text=profile_text,
         calibrations=calibrations,
+        checks=checks,
         seed=seed,
         journal_factory=journals,
         versions=versions(),

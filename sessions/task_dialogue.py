@@ -86,7 +86,8 @@ class TaskDialogue:
         """
         if self._spec is None or self._phase is not Phase.IN_SETUP:
             return r.Failure("Task setup not started")
-        problems = shortcomings(self._desk.profile, self._desk.calibrations, self._spec)
+        desk = self._desk
+        problems = shortcomings(desk.profile, desk.calibrations, self._spec, desk.checks)
         if problems:
             self._turn(Turn.SETUP_FAILED)
             return r.Failure(refusal(problems))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cell.clock import Clock
 from cell.robot_cell import RobotCell
-from cell.watchdog import History, Outbox, Watchdog, WireLog
+from cell.watchdog import CalibrationCheck, History, Outbox, Watchdog, WireLog
 from cell.watchdog.reporters import reporters_of
 from cell.watchdog.watchdog import Lend
 from sessions.desk import Desk
@@ -39,6 +39,8 @@ def watch(
     *,
     wire: WireLog,
     versions: Mapping[str, str],
+    calibrations: CalibrationCheck | None = None,
+    is_wanted: Callable[[], bool] = lambda: False,
     wall_clock: Callable[[], datetime] = lambda: datetime.now(UTC),
 ) -> Watch:
     """Return the watchdog of a cell.
@@ -50,6 +52,8 @@ def watch(
         clock: Tells when rounds are due.
         wire: The tap that the cell was assembled with.
         versions: Version of everything that matters.
+        calibrations: Checks whether the cell's calibrations still hold; None checks none.
+        is_wanted: Says whether somebody waits for the cell.
         wall_clock: Tells the date.
 
     Raises:
@@ -58,7 +62,16 @@ def watch(
     history = open_history(folder, wall_clock())
     outbox = Outbox(history, reporters_of(cell.profile.reports), lambda: wall_clock().timestamp())
     watchdog = Watchdog(
-        cell, lend, history, outbox, wall_clock, clock, wire=wire, versions=versions
+        cell,
+        lend,
+        history,
+        outbox,
+        wall_clock,
+        clock,
+        wire=wire,
+        versions=versions,
+        calibrations=calibrations,
+        is_wanted=is_wanted,
     )
     return Watch(watchdog, history, outbox)
 

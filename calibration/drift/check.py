@@ -17,13 +17,15 @@ from pydantic import JsonValue
 
 from calibration.drift.dots import RADIUS_PX, dot_places, find_dots
 from calibration.drift.motion import Motion, are_all_one, find_motion
+from calibration.drift.plane_camera import camera_like
 from calibration.playground import playground_grid
 from calibration.record import CalibrationRecord
 from calibration.screen.joint_fit import ScreenPlace, place_in_robot
 from calibration.screen.patterns import Panel
 from calibration.verdict import Finding, Grade
-from cell.geometry import CameraView
-from cell.profile import Profile
+from cell.geometry import CameraView, PlaneView
+from cell.profile import PlaceProfile, Profile
+from cell.profile.cameras import CameraProfile
 
 Points = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -108,7 +110,9 @@ def panel_of(profile: Profile, record: CalibrationRecord | None = None) -> Panel
 
 
 def references(
-    profile: Profile, record: CalibrationRecord | None
+    profile: Profile,
+    record: CalibrationRecord | None,
+    baselines: Mapping[str, Sequence[JsonValue]] | None = None,
 ) -> tuple[tuple[DotReference, ...], tuple[Blind, ...]]:
     """Return what every camera that stands still saw of the dots, and which cannot tell.
 
@@ -116,20 +120,22 @@ def references(
         profile: The cell's profile with its calibrations.
         record: The calibration by the screen that is in force; without it, where the dots
             should be is reckoned from lens and place of the cameras.
+        baselines: Where cameras that the record does not speak of saw the dots in an earlier
+            check: index, u, v and area of each.
     """
     found: list[DotReference] = []
     blind: list[Blind] = []
-    kept = {} if record is None else record.details.get("dots", {})
     for name, camera in profile.cameras.items():
-        if camera.lens is None or camera.place is None:
-            if camera.stands_still:
-                blind.append(
-                    Blind(camera=name, reason="neither its lens nor its place is calibrated")
-                )
+        if not camera.stands_still:
             continue
-        view = CameraView(camera.lens.model(), camera.place.transform())
-        rows = kept.get(name) if isinstance(kept, dict) else None
-        found.append(_reference(name, view, profile, rows))
+        rows = _rows_of(record, name, camera) or list((baselines or {}).get(name, ())) or None
+        view = camera.view(_top_mm(profile))
+        if isinstance(view, PlaneView):
+            view = None if rows is None else camera_like(view, _top_mm(profile))
+        if isinstance(view, CameraView):
+            found.append(dot_reference(name, view, profile, rows))
+        else:
+            blind.append(Blind(camera=name, reason="neither its lens nor its place is calibrated"))
     return tuple(found), tuple(blind)
 
 
@@ -150,7 +156,7 @@ def measured_reference(
     camera: str, view: CameraView, lit: Pixels, dark: Pixels, profile: Profile
 ) -> DotReference:
     """Return where a camera that was just calibrated sees the dots."""
-    modelled = _reference(camera, view, profile, None)
+    modelled = dot_reference(camera, view, profile, None)
     known = np.flatnonzero(modelled.known())
     seen = find_dots(lit, dark, modelled.pixels[known], modelled.area_px[known])
     pixels = np.full_like(modelled.pixels, np.nan)
@@ -185,7 +191,7 @@ def motion_seen(was: DotReference, lit: Pixels, dark: Pixels, profile: Profile) 
         before,
         seen.pixels,
         glass_mm=profile.heights.surface_mm,
-        top_mm=profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values()),
+        top_mm=_top_mm(profile),
         playground_mm=playground_grid(),
         allowance_mm=was.allowance_mm,
     )
@@ -226,10 +232,21 @@ def judge(seen: Sequence[Motion | Blind], *, stated_mm: float | None = None) -> 
     moved = [motion for motion in motions if has_moved(motion)]
     if not moved:
         return tuple(findings)
-    limit_mm = max(stated_mm or BAD_MM, LEAST_MOTION_MM)
-    is_bad = any(motion.rms_mm > motion.allowance_mm + limit_mm for motion in moved)
-    grade = Grade.BAD if is_bad else Grade.DEGRADED
+    grade = max((grade_of(motion, stated_mm) for motion in moved), key=lambda g: g.severity)
     return (_moved(moved, motions, grade), *findings)
+
+
+def grade_of(motion: Motion, stated_mm: float | None = None) -> Grade:
+    """Return how much a motion weighs.
+
+    Args:
+        motion: The motion.
+        stated_mm: The accuracy that the calibration stated; motions beyond it are BAD.
+    """
+    if not has_moved(motion):
+        return Grade.OK
+    limit_mm = max(stated_mm or BAD_MM, LEAST_MOTION_MM)
+    return Grade.BAD if motion.rms_mm > motion.allowance_mm + limit_mm else Grade.DEGRADED
 
 
 def _moved(moved: Sequence[Motion], motions: Sequence[Motion], grade: Grade) -> Finding:
@@ -261,9 +278,10 @@ def _moved(moved: Sequence[Motion], motions: Sequence[Motion], grade: Grade) -> 
     )
 
 
-def _reference(
+def dot_reference(
     name: str, view: CameraView, profile: Profile, rows: JsonValue | None
 ) -> DotReference:
+    """Return where a camera saw the dots by `rows` of a record, else where it should see them."""
     display = profile.display
     places = dot_places(display.width_px, display.height_px)
     screen = ScreenPlace(
@@ -287,6 +305,23 @@ def _reference(
     is_inside = ((pixels > margin) & (pixels < np.array([1279.0, 959.0]) - margin)).all(axis=1)
     areas = np.where(is_inside, areas, np.nan)
     return DotReference(camera=name, view=view, pixels=pixels, area_px=areas, is_measured=False)
+
+
+def _rows_of(
+    record: CalibrationRecord | None, name: str, camera: CameraProfile
+) -> JsonValue | None:
+    """Return where a camera saw the dots, if the record's place of it is the one in force."""
+    if record is None or camera.place is None:
+        return None
+    kept = record.details.get("dots")
+    place = record.values.get(f"cameras.{name}.place")
+    if not isinstance(kept, dict) or not isinstance(place, dict):
+        return None
+    return kept.get(name) if PlaceProfile.model_validate(place) == camera.place else None
+
+
+def _top_mm(profile: Profile) -> float:
+    return profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
 
 
 def as_details(seen: Sequence[Motion | Blind]) -> Mapping[str, JsonValue]:

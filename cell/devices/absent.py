@@ -231,3 +231,8 @@ class AbsentScreen:
     def shown(self) -> str:
         """Return the picture that would be shown."""
         return self._picture
+
+    def bookmark(self) -> Callable[[], None]:
+        """Return what remembers the present picture again."""
+        name = self._picture
+        return lambda: self.show(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -77,3 +78,9 @@ class Screen(Protocol):
 
     def shown(self) -> str:
         """Return the name of the picture that was shown last."""
+
+    def bookmark(self) -> Callable[[], None]:
+        """Return what shows the present picture again, whatever it is; that may fail like `show`.
+
+        Where none was shown yet it shows black.
+        """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import hashlib
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,16 @@ class TwinScreen:
     def shown(self) -> str:
         """Return the name of the picture that was shown last."""
         return self._world.sent_picture
+
+    def bookmark(self) -> Callable[[], None]:
+        """Return what shows the present picture again."""
+        name, pixels = self._world.sent_picture, self._world.sent_pixels
+
+        def show_again() -> None:
+            self._require_page()
+            self._world.set_picture(name, pixels)
+
+        return show_again
 
     # Hands at the television's computer
 

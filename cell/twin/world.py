@@ -149,6 +149,11 @@ class World:
         """The picture that the computer sends, seen or not."""
         return self._picture
 
+    @property
+    def sent_pixels(self) -> NDArray[np.uint8] | None:
+        """Its pixels; None for one that `cell.pictures` has by name."""
+        return self._pixels
+
     def _scene_blocks(self, now_s: float) -> tuple[SceneBlock, ...]:
         return tuple(
             SceneBlock(

@@ -28,14 +28,15 @@ class ComponentTest:
     """One test.
 
     Attributes:
-        component: What is tested: `arm`, `gripper`, `display`, `lights` or `camera NAME`.
-        needs: Component that has to work for the test to mean anything, or empty.
+        component: What is tested: `arm`, `gripper`, `display`, `lights`, `camera NAME` or
+            `calibrations`.
+        needs: Components that have to work for the test to mean anything.
         run: Does it, adds pictures it took to the list, and returns what it saw; raises a
             `CellError` when the component fails.
     """
 
     component: str
-    needs: str
+    needs: tuple[str, ...]
     run: Run
 
 
@@ -44,14 +45,14 @@ def component_tests(cell: RobotCell) -> tuple[ComponentTest, ...]:
     profile = cell.profile
     tests: list[ComponentTest] = []
     if profile.arm.enabled:
-        tests.append(ComponentTest("arm", "", _test_arm))
+        tests.append(ComponentTest("arm", (), _test_arm))
         if profile.gripper.enabled:
-            tests.append(ComponentTest("gripper", "arm", _test_gripper))
+            tests.append(ComponentTest("gripper", ("arm",), _test_gripper))
     if profile.display.enabled:
-        tests.append(ComponentTest("display", "", _test_display))
+        tests.append(ComponentTest("display", (), _test_display))
     if profile.arm.enabled:
-        tests.append(ComponentTest("lights", "arm", _test_lights))
-    tests += [ComponentTest(f"camera {name}", "", _camera_test(name)) for name in cell.cameras]
+        tests.append(ComponentTest("lights", ("arm",), _test_lights))
+    tests += [ComponentTest(f"camera {name}", (), _camera_test(name)) for name in cell.cameras]
     return tuple(tests)
 
 
@@ -122,7 +123,7 @@ def _test_lights(cell: RobotCell, pictures: list[Frame]) -> str:
 
 def _camera_test(name: str) -> Run:
     def test(cell: RobotCell, pictures: list[Frame]) -> str:
-        with _lights_if_possible(cell) as is_lit:
+        with lights_if_possible(cell) as is_lit:
             try:
                 frame = cell.grab(name)
             finally:
@@ -159,10 +160,10 @@ def _mean(frame: Frame) -> float:
 
 
 @contextmanager
-def _lights_if_possible(cell: RobotCell) -> Iterator[bool]:
+def lights_if_possible(cell: RobotCell) -> Iterator[bool]:
     """Light the cell, if the arm's controller that switches the lights answers.
 
-    What fails here is told by the tests of arm and lights.
+    The arm is open as long as it lasts. What fails here is told by the tests of arm and lights.
     """
     with ExitStack() as undo:
         is_lit = False

@@ -13,7 +13,7 @@ from typing import Literal
 from cell.errors import CellError
 from cell.kept_database import advice
 
-Outcome = Literal["ok", "failed", "not tested"]
+Outcome = Literal["ok", "failed", "not tested", "cannot tell"]
 
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS about (only INTEGER PRIMARY KEY CHECK (only = 1), started TEXT NOT NULL);

@@ -13,6 +13,7 @@ from cell.devices.camera import Frame
 from cell.errors import CellError, ResumeRefused, Stopped
 from cell.events import ComponentTested
 from cell.robot_cell import RobotCell
+from cell.watchdog.calibrations import CalibrationCheck, CannotTell, calibration_tests
 from cell.watchdog.components import ComponentTest, component_tests
 from cell.watchdog.evidence import Evidence, WireLog, gather
 from cell.watchdog.history import History, Outcome, TestRecord
@@ -52,6 +53,9 @@ class Watchdog:
         clock: Tells when rounds are due: real time even where the cell's own time is simulated.
         wire: The tap of the cell's links, for evidence.
         versions: Version of everything that matters, for evidence.
+        calibrations: Checks whether the cell's calibrations still hold; None checks none.
+        is_wanted: Says whether somebody waits for the cell; a check of calibrations, which takes
+            longest, is then given up.
     """
 
     def __init__(
@@ -65,6 +69,8 @@ class Watchdog:
         *,
         wire: WireLog,
         versions: Mapping[str, str],
+        calibrations: CalibrationCheck | None = None,
+        is_wanted: Callable[[], bool] = lambda: False,
     ) -> None:
         self._cell = cell
         self._lend = lend
@@ -74,6 +80,8 @@ class Watchdog:
         self._clock = clock
         self._wire = wire
         self._versions = dict(versions)
+        self._calibrations = calibrations
+        self._is_wanted = is_wanted
         self._every_s = cell.profile.watchdog.every_s
         self._next_s = clock.now_s() + self._every_s
         self._stop_asked = False
@@ -81,6 +89,13 @@ class Watchdog:
     def stop(self) -> None:
         """Ask a round under way to end after the test that runs."""
         self._stop_asked = True
+
+    def tests(self) -> tuple[ComponentTest, ...]:
+        """Return the tests of a round, in their order."""
+        tests = component_tests(self._cell)
+        if self._calibrations is None:
+            return tests
+        return (*tests, *calibration_tests(self._cell, self._calibrations, self._go_on))
 
     def step(self) -> float:
         """Do what is due, tests and reports; return after how many seconds to come again."""
@@ -110,8 +125,8 @@ class Watchdog:
             number = self._history.next_round()
             records: list[TestRecord] = []
             failed: set[str] = set()
-            tests = component_tests(self._cell)
-            wanted = set(only) | {test.needs for test in tests if test.component in only}
+            tests = self.tests()
+            wanted = set(only).union(*(test.needs for test in tests if test.component in only))
             for test in tests:
                 if self._stop_asked:
                     break
@@ -124,8 +139,9 @@ class Watchdog:
         return Round(tuple(records))
 
     def _test(self, test: ComponentTest, number: int, failed: Collection[str]) -> TestRecord:
-        if test.needs in failed:
-            return self._note(test, number, "not tested", f"it needs the {test.needs}")
+        missing = [component for component in test.needs if component in failed]
+        if missing:
+            return self._note(test, number, "not tested", f"it needs the {missing[0]}")
         frames: list[Frame] = []
         self._wire.begin()
         try:
@@ -138,6 +154,10 @@ class Watchdog:
             # may go on is for people to say.
             self._wire.end()
             return self._note(test, number, "not tested", str(error))
+        except CannotTell as error:
+            # Neither a fault nor a sign that an earlier one is gone.
+            self._wire.end()
+            return self._note(test, number, "cannot tell", str(error))
         except CellError as error:
             evidence = gather(self._wire.end(), frames, self._versions)
             self._report(test, error, evidence)
@@ -181,6 +201,17 @@ class Watchdog:
                         attachments=evidence.attachments(),
                     )
                 )
+
+    def _go_on(self) -> None:
+        """Return if a long test may go on.
+
+        Raises:
+            Stopped: The round shall end, or somebody waits for the cell.
+        """
+        if self._stop_asked:
+            raise Stopped("the watchdog shall end")
+        if self._is_wanted():
+            raise Stopped("a client asks for the cell")
 
     def _now(self) -> str:
         return self._wall_clock().isoformat(timespec="seconds")

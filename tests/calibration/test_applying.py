@@ -154,8 +154,7 @@ def test_two_maps_are_compared_in_mm_at_the_playground_s_corners() -> None:
     found = difference(first, second, PROFILE)
     assert list(found.values) == ["cameras.top.plane_map"]
     corners = found.corners["top"]
-    assert [corner.corner_mm for corner in corners] == [(300, -350), (300, 300), (700, 300),
-                                                       (700, -350)]  # fmt: skip
+    assert {c.corner_mm for c in corners} == {(300, -350), (700, -350), (300, 300), (700, 300)}
     for corner in corners:
         assert corner.distance_mm == pytest.approx(2.0, abs=0.02)
 

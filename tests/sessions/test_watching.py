@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
+from calibration.checks import CameraChecked, Checks, Kept, LastCheck, knowledge_of
+from calibration.drift.between_sessions import DriftCheck
+from calibration.verdict import Grade
 from cell.clock import SimulatedClock
 from cell.profile import parse_profile, profile_text
 from cell.twin_cell import TwinCell
 from dsl.library import library_script
 from sessions.hosting import Hosted, host_twin, versions
+from sessions.quality import shortcomings
 from sessions.script_source import served_script
 from sessions.session import Session
 from sessions.watching import Watch, lend_from, watch
 from sessions.wire.dialects import DIALECTS
+from tests.calibration.records import a_record
 
 TEXT = profile_text("mash")
 
@@ -106,3 +112,62 @@ def test_a_session_is_the_same_with_and_without_a_round_before_it(
     alone.close()
     assert after_a_round[-2].startswith(b"VIEW CAMERA_TOP")
     assert after_a_round == without
+
+
+def moved_check(folder: Path) -> Checks:
+    """Keep a check that found the top camera moved."""
+    profile = parse_profile(TEXT, "mash")
+    checked = CameraChecked(
+        grade=Grade.BAD, text="2.1 mm off", knowledge=knowledge_of(profile, "top")
+    )
+    checks = Checks(folder)
+    checks.keep(Kept(last=LastCheck(at=datetime(2026, 5, 4, tzinfo=UTC), cameras={"top": checked})))
+    return checks
+
+
+def test_a_demand_on_a_camera_that_moved_since_is_refused_with_the_check(tmp_path: Path) -> None:
+    profile = parse_profile(TEXT, "mash")
+    checks = moved_check(tmp_path)
+    record = a_record(values={"cameras.top.plane_map": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]})
+    assert shortcomings(profile, [record], checks=checks) == []
+    demanding = profile.model_copy(update={"demands": {record.kind: 1000.0}})
+    assert shortcomings(demanding, [record]) == []
+    (told,) = shortcomings(demanding, [record], checks=checks)
+    assert "the check of 2026-05-04 00:00 found: 2.1 mm off" in told
+    assert "calibrate again" in told
+    other = a_record(values={"cameras.oblique.plane_map": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]})
+    assert shortcomings(demanding, [other], checks=checks) == []
+
+
+def test_a_desk_knows_that_somebody_waits_until_it_lends_the_cell_again(
+    hosted: Hosted[TwinCell],
+) -> None:
+    desk, session = hosted.desk, Session(hosted.desk, DIALECTS["1.5"], "here")
+    with lend_from(desk)():
+        assert not desk.is_wanted
+        assert say(session, "INITIALIZE_TASK ReachRedCube STATIC_4x4") == ["BUSY"]
+        assert desk.is_wanted
+    with lend_from(desk)():
+        assert not desk.is_wanted
+    session.end("done")
+
+
+def test_the_drift_check_is_one_of_the_components_of_a_served_cell(
+    hosted: Hosted[TwinCell], tmp_path: Path
+) -> None:
+    profile = hosted.cell.profile
+    check = DriftCheck(profile, (), Checks(tmp_path), lambda: datetime.now(UTC))
+    watching = watch(
+        hosted.cell, lend_from(hosted.desk), None, SimulatedClock(), wire=hosted.wire,
+        versions=versions(), calibrations=check, is_wanted=lambda: hosted.desk.is_wanted,
+    )  # fmt: skip
+    try:
+        outcomes = []
+        for _ in range(2):
+            done = watching.watchdog.run_round(["calibrations"])
+            assert done is not None
+            outcomes.append((done.records[-1].component, done.records[-1].outcome))
+        assert outcomes == [("calibrations", "cannot tell"), ("calibrations", "ok")]
+        assert watching.history.faults() == []
+    finally:
+        watching.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from types import TracebackType
@@ -58,6 +59,7 @@ class KioskScreen:
         self._turn = threading.RLock()
         self._number = 0
         self._show: Show | None = None
+        self._kept: KeptPicture | None = None
 
     @property
     def url(self) -> str:
@@ -148,6 +150,17 @@ class KioskScreen:
         """Return the name of the picture that was sent last; empty if there was none."""
         return "" if self._show is None else self._show.name
 
+    def bookmark(self) -> Callable[[], None]:
+        """Return what shows the present picture again, and waits until it is painted."""
+        with self._turn:
+            kept = self._kept or self._named_picture("black")
+
+        def show_again() -> None:
+            with self._turn:
+                self._await_painted(self._publish(kept))
+
+        return show_again
+
     def painted(self) -> tuple[Painted, ...]:
         """Return what each page confirmed last: the evidence."""
         return tuple(page.painted for page in self.pages() if page.painted is not None)
@@ -208,7 +221,7 @@ class KioskScreen:
             width_px=width_px,
             height_px=height_px,
         )
-        self._show = show
+        self._show, self._kept = show, kept
         self._server.show(show, kept.png)
         if self._memory is not None:
             self._memory.keep(kept)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -42,6 +42,10 @@ class BareScreen:
 
     def shown(self) -> str:
         return self._shown
+
+    def bookmark(self) -> Callable[[], None]:
+        name = self._shown
+        return lambda: self.show(name)
 
 
 def _opened_and_closed(wires: TwinWires) -> tuple[dict[tuple[str, Direction], bytes], float]:
