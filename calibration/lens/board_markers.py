@@ -44,12 +44,7 @@ def find_markers(picture: Pixels, dictionary: str) -> SeenMarkers:
     Raises:
         CalibrationError: There is no such dictionary.
     """
-    number = getattr(cv2.aruco, dictionary, None) if dictionary.startswith("DICT_") else None
-    if not isinstance(number, int):
-        raise CalibrationError(
-            f"there is no dictionary {dictionary}; there is DICT_5X5_100, for instance"
-        )
-    detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(number))
+    detector = cv2.aruco.ArucoDetector(_known(dictionary))
     corners, ids, _ = detector.detectMarkers(grey_of(picture))
     if ids is None or not len(corners):
         return SeenMarkers(np.empty(0, np.int64), np.empty((0, 2)), 0.0)
@@ -58,3 +53,20 @@ def find_markers(picture: Pixels, dictionary: str) -> SeenMarkers:
     return SeenMarkers(
         np.asarray(ids.ravel(), np.int64), places.mean(axis=1), float(np.median(sides))
     )
+
+
+def count_by_dictionary(picture: Pixels) -> dict[str, int]:
+    """Return how many markers of each of `DICTIONARIES` a picture, R G B or grey, shows."""
+    detector = cv2.aruco.ArucoDetector([_known(name) for name in DICTIONARIES])
+    _, _, _, which = detector.detectMarkersMultiDict(grey_of(picture))
+    found = np.zeros(0, np.int64) if which is None else np.asarray(which, np.int64).ravel()
+    return {name: int((found == index).sum()) for index, name in enumerate(DICTIONARIES)}
+
+
+def _known(dictionary: str) -> cv2.aruco.Dictionary:
+    number = getattr(cv2.aruco, dictionary, None) if dictionary.startswith("DICT_") else None
+    if not isinstance(number, int):
+        raise CalibrationError(
+            f"there is no dictionary {dictionary}; there is DICT_5X5_100, for instance"
+        )
+    return cv2.aruco.getPredefinedDictionary(number)

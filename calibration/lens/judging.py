@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.lens.board_markers import DICTIONARIES, SeenMarkers, find_markers
+from calibration.lens.board_markers import SeenMarkers, count_by_dictionary, find_markers
 from calibration.lens.fit import BoardView
 from calibration.verdict import Finding, Grade
 from cell.vision.boards import Board, find_chessboard, grey_of
@@ -124,7 +124,7 @@ def other_charuco(picture: Pixels, board: Board) -> Finding | None:
 
 
 def _other_dictionary(picture: Pixels, board: Board, own: int) -> Finding | None:
-    counts = {name: len(find_markers(picture, name).ids) for name in DICTIONARIES}
+    counts = count_by_dictionary(picture)
     best = max(counts, key=lambda name: counts[name])
     if counts[best] < max(_LEAST_MARKERS, 2 * own + 1):
         return None

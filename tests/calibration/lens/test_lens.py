@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import hashlib
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -19,6 +21,7 @@ from calibration.statistics import chi_square_quantile
 from cell.geometry import LensModel
 from cell.profile import load_profile
 from cell.stop import StopToken
+from cell.vision.boards import Board, BoardCorners, find_board
 from tests.calibration.hidden_truth import hidden, true_view
 from tests.calibration.lens.boards import BOARD, board_views
 from tests.calibration.moment import MOMENT
@@ -29,6 +32,22 @@ WIDE = LensModel(
     width_px=1280, height_px=960, focal_u_px=950.0, focal_v_px=950.0, centre_u_px=645.0,
     centre_v_px=470.0, k1=-0.08, k2=0.02,
 )  # fmt: skip
+
+
+@pytest.fixture(autouse=True, scope="module")
+def boards_once() -> Iterator[None]:
+    """Look for a board once in each picture, however many tests read it."""
+    known: dict[tuple[bytes, Board], BoardCorners | None] = {}
+
+    def found(picture: np.ndarray, board: Board) -> BoardCorners | None:
+        key = (hashlib.sha256(picture.tobytes()).digest(), board)
+        if key not in known:
+            known[key] = find_board(picture, board)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("calibration.lens.procedure.find_board", found)
+        yield
 
 
 class Reader:

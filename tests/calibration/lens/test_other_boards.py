@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from calibration.lens.board_markers import DICTIONARIES, find_markers
+from calibration.errors import CalibrationError
+from calibration.lens.board_markers import count_by_dictionary, find_markers
 from calibration.lens.fit import LensPrior
 from calibration.lens.judging import judge_distance, other_board
 from calibration.lens.procedure import calibrate_lens
@@ -60,7 +61,6 @@ def test_the_board_that_was_named_is_no_other(columns: int, rows: int) -> None:
         (replace(BOARD, columns=8, rows=11), "8 squares across"),
         (replace(BOARD, rows=10), "a marker number 54, where 43 is the last"),
         (replace(BOARD, dictionary="DICT_6X6_250"), "dictionary DICT_6X6_50 or a larger one"),
-        (replace(BOARD, dictionary="DICT_APRILTAG_36h11"), "dictionary DICT_APRILTAG_36h11"),
     ],
 )
 def test_a_charuco_board_of_another_size_or_dictionary_is_named(shown: Board, told: str) -> None:
@@ -72,7 +72,12 @@ def test_a_charuco_board_of_another_size_or_dictionary_is_named(shown: Board, to
 
 def test_a_wall_without_a_board_is_no_other_board() -> None:
     assert other_board(np.full((960, 1280, 3), 120, np.uint8), BOARD) is None
-    assert find_markers(np.full((960, 1280, 3), 120, np.uint8), DICTIONARIES[0]).ids.size == 0
+    assert set(count_by_dictionary(np.full((960, 1280, 3), 120, np.uint8)).values()) == {0}
+
+
+def test_a_dictionary_that_there_is_not_is_refused() -> None:
+    with pytest.raises(CalibrationError, match="no dictionary DICT_9X9_50"):
+        find_markers(np.full((96, 128, 3), 120, np.uint8), "DICT_9X9_50")
 
 
 def live(shown: Board) -> Measurement:
