@@ -1,7 +1,8 @@
 """What is demanded of a cell's calibrations, and what does not meet it.
 
-A demand is met by a calibration in force whose accuracy (held out, else predicted) is in
-millimetres and not above the limit. Nothing measured is nothing known, and meets no demand.
+A demand is met by a calibration in force whose accuracy (the map's own, else held out, else
+predicted) is in millimetres and not above the limit. Nothing measured is nothing known, and
+meets no demand.
 """
 
 from __future__ import annotations
@@ -29,8 +30,7 @@ def shortcoming(record: CalibrationRecord, limit_mm: float) -> str | None:
         return f"{name} tells its accuracy in {accuracy.unit}, not in mm ({day})"
     if stated <= limit_mm:
         return None
-    how = "held out" if accuracy.held_out_rms is not None else "predicted"
-    return f"{name} has {stated:.3g} mm ({how}), {day}"
+    return f"{name} has {stated:.3g} mm ({accuracy.stated_how}), {day}"
 
 
 def unmet_by_kind(demands: dict[str, float], records: Sequence[CalibrationRecord]) -> list[str]:

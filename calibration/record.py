@@ -77,12 +77,25 @@ class Accuracy(_Part):
     """What the covariance predicts over the region; None where it is not known."""
     predicted_max: float | None = None
     """The same at the region's worst place, 95 %."""
+    map_rms: float | None = None
+    """Of the map itself at the playground: held out, less the scatter that the points have of
+    themselves (in quadrature), but no less than predicted; None where that is not known."""
+    map_upper: float | None = None
+    """What it stays below with 95 %, as few points leave it open."""
     unit: str = "mm"
 
     @property
     def stated(self) -> float | None:
-        """The figure that a demand is held against: held out, else predicted."""
-        return self.held_out_rms if self.held_out_rms is not None else self.predicted_rms
+        """The figure for demands: the map's own, else held out, else predicted."""
+        known = (self.map_rms, self.held_out_rms, self.predicted_rms)
+        return next((figure for figure in known if figure is not None), None)
+
+    @property
+    def stated_how(self) -> str:
+        """Where that figure comes from, in two words."""
+        if self.map_rms is not None:
+            return "the map's"
+        return "held out" if self.held_out_rms is not None else "predicted"
 
 
 class Region(_Part):

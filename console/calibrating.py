@@ -67,8 +67,7 @@ def stated_accuracy(record: CalibrationRecord) -> str:
     accuracy = record.accuracy
     if accuracy.stated is None:
         return "not known"
-    how = "held out" if accuracy.held_out_rms is not None else "predicted"
-    return f"{accuracy.stated:.3g} {accuracy.unit} {how}"
+    return f"{accuracy.stated:.3g} {accuracy.unit} {accuracy.stated_how}"
 
 
 def in_a_line(record: CalibrationRecord, at: datetime) -> str:

@@ -100,6 +100,9 @@ def verdict_lines(measured: Measurement) -> list[str]:
             else f", {accuracy.predicted_max:.3g} at the worst place (95 %)"
         )
         lines.append(f"  predicted  {accuracy.predicted_rms:.3g} {unit} RMS{worst}")
+    if accuracy.map_rms is not None:
+        upper = "" if accuracy.map_upper is None else f", below {accuracy.map_upper:.3g} with 95 %"
+        lines.append(f"  the map's  {accuracy.map_rms:.3g} {unit} RMS without scatter{upper}")
     if accuracy.fit_rms is not None:
         lines.append(f"  fitted on  {accuracy.fit_rms:.3g} {unit} RMS, which says little alone")
     if accuracy.stated is None:

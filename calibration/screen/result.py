@@ -34,6 +34,7 @@ METHOD: Final = (
     "centre, k1, k2) and place of all cameras, the screen's place and the placed blocks fitted "
     "together"
 )
+_SIGMAS_95: Final = 1.645
 _ASSUMED: Final = (
     "the lens's tangential coefficients and k3: one plane does not tell them from a tilt; taken "
     "as 0, pixels as square",
@@ -155,6 +156,8 @@ def _accuracy(
     expected = [math.sqrt(2.0) * point.expected_mm for point in points]
     told = [f"{one.camera} {fresh_dots_mm(found, panel, one):.3f} mm" for one in dots]
     parts = []
+    rms = max(p[0] for p in predicted)
+    map_rms, map_upper = map_error(distances, expected, rms)
     if points:
         parts.append(
             f"{len(points)} points left out one by one, of which placing or touching and finding "
@@ -168,9 +171,34 @@ def _accuracy(
         held_out_max=max(distances, default=None),
         held_out_count=len(points),
         how="; ".join(parts),
-        predicted_rms=max(p[0] for p in predicted),
+        predicted_rms=rms,
         predicted_max=max(p[1] for p in predicted),
+        map_rms=map_rms,
+        map_upper=map_upper,
     )
+
+
+def map_error(
+    distances_mm: Sequence[float], scatter_mm: Sequence[float], predicted_mm: float
+) -> tuple[float | None, float | None]:
+    """Return how far off a map itself is, and what that stays below with 95 %.
+
+    A point left out lies off by the map's error and its own scatter; their squares add up. The
+    mean square of n distances is known to its share 1/√n, twice n normal numbers being in it.
+    By chance less may be left than nothing: no less is stated than the covariance predicts.
+
+    Args:
+        distances_mm: Of the points left out.
+        scatter_mm: What each would lie off (root mean square) if the map were perfect.
+        predicted_mm: What the covariance says of the map.
+    """
+    if not distances_mm:
+        return None, None
+    found = float(np.mean(np.square(distances_mm)))
+    own = float(np.mean(np.square(scatter_mm)))
+    most = found * (1.0 + _SIGMAS_95 / math.sqrt(len(distances_mm)))
+    left, upper = (math.sqrt(max(square - own, 0.0)) for square in (found, most))
+    return max(left, predicted_mm), max(upper, predicted_mm)
 
 
 def _fit_rms(points: Sequence[LeftOut]) -> float | None:
