@@ -173,7 +173,9 @@ class GivenAnswers:
         if self._otherwise is not None:
             return self._otherwise.answer(ask)
         if ask.default is None:
-            raise AnswerRefused(ask.key, f"no answer is given ({_wanted(ask)})")
+            # What is to be done says so already.
+            question = "" if ask.kind == "done" else f": {ask.question}"
+            raise AnswerRefused(ask.key, f"no answer is given ({_wanted(ask)}){question}")
         return ask.default
 
     def point(self, point: Point) -> Answer:

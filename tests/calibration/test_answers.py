@@ -189,6 +189,13 @@ def test_all_that_is_missing_or_wrong_is_told_at_once() -> None:
     problems = missing_answers(questions(), asker)
     assert [problem.partition(":")[0] for problem in problems] == ["width", "way", "at"]
     assert "a.toml:2" in problems[1]
+    assert problems[0].endswith("(a number in mm): How wide?")
+
+
+def test_what_is_to_be_done_is_told_once() -> None:
+    with pytest.raises(AnswerRefused) as refused:
+        GivenAnswers({}).answer(DONE)
+    assert str(refused.value).count("Lay it down.") == 1
 
 
 def test_nothing_is_missing_where_everything_before_the_first_picture_is_answered() -> None:
