@@ -22,6 +22,9 @@ from cell.kinematics.servo_map import ArmCorrection
 KIND = "servo-maps"
 _MOST_OUTLIERS = 0.1
 _WIDE_DEG = 1.0
+SIGHTS_FOR_REGION = 45
+"""With fewer sights the fit bends more than its linear regions know: of 1,000 synthetic
+calibrations they hold 94 to 96 % with 45 sights, 942 with 40, 923 with 32."""
 
 Array = NDArray[np.float64]
 
@@ -68,18 +71,23 @@ def measure_servos(
     checks = _check_mm(found, fresh, arm, mounts, noise)
     findings = [*_findings(found, dropped, arm), *play_findings(found, model, used, noise)]
     is_bad = any(finding.grade is Grade.BAD for finding in findings)
+    has_region = len(used) >= SIGHTS_FOR_REGION
+    if not has_region:
+        findings.append(_few_sights(len(used)))
     return Measurement(
         kind=KIND,
         subject="arm",
         method=method,
         samples=_samples(used, left, dropped, fresh, checks),
-        parameters=_parameters(found),
-        covariance=tuple(tuple(float(v) for v in row) for row in found.covariance),
+        parameters=_parameters(found, has_region=has_region),
+        covariance=tuple(tuple(float(v) for v in row) for row in found.covariance)
+        if has_region
+        else (),
         correlations=tuple(
             Correlation(first=a, second=b, value=value)
             for a, b, value in strong_correlations(found.covariance, _names(found))
         ),
-        accuracy=_accuracy(found, left, checks, used, arm),
+        accuracy=_accuracy(found, left, checks, used, arm, has_region=has_region),
         region=Region(text=_region(found)),
         findings=tuple(findings),
         values={} if is_bad else {"arm.correction": correction_value(found.correction)},
@@ -88,10 +96,14 @@ def measure_servos(
             "noise_factor": found.noise_factor,
             "freedom": found.freedom,
             "held": list(found.held),
-            "pointwise_band_deg": [found.band_deg(i).tolist() for i in range(5)],
-            "simultaneous_band_deg": [found.simultaneous_band_deg(i).tolist() for i in range(5)],
+            "pointwise_band_deg": [found.band_deg(i).tolist() for i in range(5)]
+            if has_region
+            else None,
+            "simultaneous_band_deg": [found.simultaneous_band_deg(i).tolist() for i in range(5)]
+            if has_region
+            else None,
         },
-        not_known=_not_known(found, sights),
+        not_known=_not_known(found, sights, has_region=has_region),
     )
 
 
@@ -179,6 +191,16 @@ def _findings(
     return findings + _wide_findings(found, arm)
 
 
+def _few_sights(count: int) -> Finding:
+    return Finding(
+        code="few-sights",
+        grade=Grade.DEGRADED,
+        text=f"{count} sights are too few to state how exactly each servo is known; "
+        f"{SIGHTS_FOR_REGION} are enough",
+        hint="take more poses; the figure of the sights that were left out holds nonetheless",
+    )
+
+
 def _wide_findings(found: ServoFit, arm: LynxArm) -> list[Finding]:
     wide = []
     for joint, name in enumerate(JOINTS):
@@ -220,7 +242,13 @@ def _check_mm(
 
 
 def _accuracy(
-    found: ServoFit, left: Residues, checks: Array, used: Sequence[Sight], arm: LynxArm
+    found: ServoFit,
+    left: Residues,
+    checks: Array,
+    used: Sequence[Sight],
+    arm: LynxArm,
+    *,
+    has_region: bool,
 ) -> Accuracy:
     held = checks if checks.size else left.left_out_mm
     commanded = np.array([sight.commanded_deg for sight in used])
@@ -232,8 +260,8 @@ def _accuracy(
         held_out_count=int(held.size),
         how=(f"{checks.size} fresh sights" if checks.size else "leave-one-out")
         + " of the marker in x and y, the camera's noise included",
-        predicted_rms=_rms(predicted),
-        predicted_max=float(2.0 * predicted.max()),
+        predicted_rms=_rms(predicted) if has_region else None,
+        predicted_max=float(2.0 * predicted.max()) if has_region else None,
     )
 
 
@@ -278,7 +306,7 @@ def _names(found: ServoFit) -> tuple[str, ...]:
     return (*knots, *(f"sag of the {name}" if i < 3 else name for i, name in enumerate(SAG_NAMES)))
 
 
-def _parameters(found: ServoFit) -> tuple[Parameter, ...]:
+def _parameters(found: ServoFit, *, has_region: bool) -> tuple[Parameter, ...]:
     deviation = np.sqrt(np.diag(found.covariance))
     names = _names(found)
     free = set(found.free.tolist())
@@ -287,7 +315,7 @@ def _parameters(found: ServoFit) -> tuple[Parameter, ...]:
             name=name,
             value=float(found.parameters[index]),
             unit="" if index == len(names) - 1 else "deg",
-            deviation=float(deviation[index]) if index in free else None,
+            deviation=float(deviation[index]) if has_region and index in free else None,
         )
         for index, name in enumerate(names)
     )
@@ -301,13 +329,17 @@ def _region(found: ServoFit) -> str:
     return f"commanded angles: {', '.join(spans)} deg; with the fingers' load as measured"
 
 
-def _not_known(found: ServoFit, sights: Sequence[Sight]) -> tuple[str, ...]:
+def _not_known(found: ServoFit, sights: Sequence[Sight], *, has_region: bool) -> tuple[str, ...]:
     said = [
         "the sag with another load in the fingers than while it was measured",
         "the upper arm's own sag apart from J2's map, in which it is contained",
         "errors of the markers' places in the hand and of the arm's lengths: they are taken as "
         "given and would be fitted as turns of the joints",
     ]
+    if not has_region:
+        said.append(
+            f"how exactly maps and sag are known: only {SIGHTS_FOR_REGION} sights or more tell"
+        )
     if not any(sight.came_from for sight in sights):
         said.append("the play of the gears: from which side the joints came was not noted")
     said += [f"sag: {name} was not measured" for name in found.held]

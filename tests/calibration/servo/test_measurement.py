@@ -121,6 +121,22 @@ def test_held_out_and_uncorrected_distances_show_the_gain() -> None:
     assert uncorrected > 5.0 * accuracy.held_out_rms
 
 
+@pytest.mark.parametrize("count", [40, 45])
+def test_how_exactly_servos_are_known_is_stated_from_45_sights_on(count: int) -> None:
+    seen = Camera(smooth_truth(), plan(20, 5)).sights(np.random.default_rng(1))[:count]
+    measurement = measure_servos(seen, ARM)
+    used = sum(sample.is_used for sample in measurement.samples)
+    is_stated = used >= 45
+    assert is_stated == (count == 45)
+    assert (measurement.covariance != ()) == is_stated
+    assert any(p.deviation is not None for p in measurement.parameters) == is_stated
+    assert (measurement.accuracy.predicted_rms is not None) == is_stated
+    assert ("few-sights" in [f.code for f in measurement.findings]) == (not is_stated)
+    assert any("how exactly" in text for text in measurement.not_known) == (not is_stated)
+    assert measurement.accuracy.held_out_rms is not None
+    assert "arm.correction" in measurement.values
+
+
 class _Arm:
     """Answers the procedure like an arm under a camera that does what is advised."""
 
