@@ -24,7 +24,7 @@ from calibration.screen.held_out import LeftOut, left_out
 from calibration.screen.joint_fit import ScreenFit, place_in_robot
 from calibration.screen.judge import judge_fit, predicted_mm
 from calibration.screen.patterns import Panel
-from calibration.statistics import strong_correlations
+from calibration.statistics import chi_square_quantile, strong_correlations
 from calibration.verdict import Finding
 from cell.geometry import CameraView
 
@@ -34,7 +34,6 @@ METHOD: Final = (
     "centre, k1, k2) and place of all cameras, the screen's place and the placed blocks fitted "
     "together"
 )
-_SIGMAS_95: Final = 1.645
 _ASSUMED: Final = (
     "the lens's tangential coefficients and k3: one plane does not tell them from a tilt; taken "
     "as 0, pixels as square",
@@ -184,8 +183,8 @@ def map_error(
     """Return how far off a map itself is, and what that stays below with 95 %.
 
     A point left out lies off by the map's error and its own scatter; their squares add up. The
-    mean square of n distances is known to its share 1/√n, twice n normal numbers being in it.
-    By chance less may be left than nothing: no less is stated than the covariance predicts.
+    sum of the squares of n distances follows chi square with 2 n degrees. By chance less than
+    nothing may be left: no less is stated than the covariance predicts.
 
     Args:
         distances_mm: Of the points left out.
@@ -196,7 +195,8 @@ def map_error(
         return None, None
     found = float(np.mean(np.square(distances_mm)))
     own = float(np.mean(np.square(scatter_mm)))
-    most = found * (1.0 + _SIGMAS_95 / math.sqrt(len(distances_mm)))
+    freedom = 2 * len(distances_mm)
+    most = found * freedom / chi_square_quantile(0.05, freedom)
     left, upper = (math.sqrt(max(square - own, 0.0)) for square in (found, most))
     return max(left, predicted_mm), max(upper, predicted_mm)
 

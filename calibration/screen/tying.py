@@ -46,7 +46,9 @@ _CREEP: Final = math.sqrt(1.5)
 release counts, along the fingers the last two."""
 
 _LEAST_FINDING_PX: Final = 0.1
-_CROSS_PX: Final = ((240, 160), (1680, 160), (1680, 920), (240, 920), (960, 540))
+CROSS_PX: Final = ((240, 160), (1680, 160), (1680, 920), (240, 920), (960, 540))
+"""Column and row of each cross that is touched."""
+
 _ARM_PX: Final = 40
 
 
@@ -96,7 +98,7 @@ def tied_by_touch(profile: Profile, panel: Panel, *, is_typed: bool) -> Steps[Ti
         default=0.5,
     )
     touches = []
-    for index, (column, row) in enumerate(_CROSS_PX):
+    for index, (column, row) in enumerate(CROSS_PX):
         label = f"cross {index + 1}"
         yield from show(label, _cross(panel, column, row))
         if is_typed:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.screen.board import find_board, judge_board, judge_rest
+from calibration.screen.board import SeenBoard, find_board, judge_board, judge_rest
 from calibration.screen.camera_model import LensPrior, fit_alone
 from calibration.screen.decode import correspondences
 from calibration.screen.held_out import left_out
@@ -21,6 +21,7 @@ from calibration.screen.judge import (
 )
 from calibration.screen.patterns import RAMP
 from calibration.screen.response import read_response
+from calibration.screen.result import map_error
 from calibration.verdict import Finding, Grade
 from tests.calibration.screen.cell_on_stage import PANEL, Watched
 from tests.calibration.screen.synthetic import synthetic_cell
@@ -42,6 +43,11 @@ def scale_findings(given: Observations) -> tuple[Finding, ...]:
     alone = fit_alone(seen, given.screen.pixel_mm, LensPrior(), 0.1).parameters
     bare = replace(given, blocks=())
     return judge_scale(given, screen_views(bare, np.concatenate([np.zeros(3), alone])))
+
+
+def focal_px(given: Observations) -> float:
+    found = fit_screen(given)
+    return float(found.fit.parameters[given.offset("top")])
 
 
 def test_nothing_is_said_where_nothing_is_wrong(given: Observations) -> None:
@@ -147,3 +153,68 @@ def test_light_that_leaves_nothing_for_the_pattern_is_named(
     }
     response = read_response("top", fields)
     assert codes(response.findings) == [code]
+
+
+def test_places_that_no_lens_explains_are_named(given: Observations) -> None:
+    seen = given.seen["top"]
+    noise = np.random.default_rng(1).normal(0.0, 1.0, seen.pixels.shape)
+    found = fit_screen(replace(given, seen={"top": replace(seen, pixels=seen.pixels + noise)}))
+    named = [f for f in judge_fit(found, ()) if f.code == "lens-misfit"]
+    assert [f.grade for f in named] == [Grade.DEGRADED]
+    assert "1.00 px" in named[0].text
+
+
+def test_a_pattern_seen_on_half_of_the_playground_is_named(given: Observations) -> None:
+    seen = given.seen["top"]
+    found = fit_screen(replace(given, seen={"top": seen.part(seen.pixels[:, 0] < 640.0)}))
+    assert "little-coverage" in codes(judge_fit(found, ()))
+
+
+def test_a_camera_whose_distance_nobody_knows_is_told_apart_from_badly_placed_blocks() -> None:
+    free = synthetic_cell(PROFILE, 7, cameras=("top",), blocks=0, noise_px=1.5).given
+    loose = replace(free, screen=replace(free.screen, deviation_mm=0.1, deviation_deg=0.01))
+    assert "depth-unknown" in codes(judge_fit(fit_screen(loose), ()))
+    given = synthetic_cell(PROFILE, 7, cameras=("top",)).given
+    blocks = [replace(block, deviation_mm=2.0) for block in given.blocks]
+    lens = LensPrior(focal_px=focal_px(given), focal_deviation_px=2.0)
+    rough = replace(given, blocks=blocks, priors={"top": lens})
+    assert "inaccurate" in codes(judge_fit(fit_screen(rough), ()))
+
+
+def test_blocks_of_which_several_are_off_are_not_blamed_on_one(given: Observations) -> None:
+    blocks = list(given.blocks)
+    for index, (right, up) in {1: (5.0, 0.0), 4: (-4.0, 5.0)}.items():
+        x, y = blocks[index].robot_mm
+        blocks[index] = replace(blocks[index], robot_mm=(x + right, y + up))
+    found = fit_screen(replace(given, blocks=blocks))
+    named = [f.code for f in judge_fit(found, left_out(found))]
+    assert "points-disagree" in named
+    assert "misplaced-point" not in named
+
+
+def test_a_board_that_is_covered_at_the_end_is_named() -> None:
+    corners = np.arange(40)
+    pixels = np.stack([20.0 * corners, 10.0 * corners], axis=1)
+    first = SeenBoard(index=corners, pixels=pixels, places=pixels)
+    last = SeenBoard(index=corners[:5], pixels=pixels[:5], places=pixels[:5])
+    (finding,) = judge_rest("top", first, last)
+    assert finding.code == "covered-meanwhile"
+    assert finding.grade is Grade.BAD
+    assert judge_rest("top", first, first) == ()
+
+
+def test_the_scatter_of_points_is_no_error_of_the_map() -> None:
+    random = np.random.default_rng(4)
+    below, stated = 0, 0.0
+    for _ in range(400):
+        own, map_mm = random.normal(0.0, 0.3, (6, 2)), random.normal(0.0, 0.5, (6, 2))
+        distances = np.hypot(*(own + map_mm).T).tolist()
+        found, upper = map_error(distances, [0.3 * np.sqrt(2.0)] * 6, 0.2)
+        assert found is not None
+        assert upper is not None
+        assert 0.2 <= found <= np.sqrt(np.mean(np.square(distances)))
+        stated += found**2 / 400
+        below += upper > 0.5 * np.sqrt(2.0)
+    assert np.sqrt(stated) == pytest.approx(0.5 * np.sqrt(2.0), rel=0.05)
+    assert 0.93 * 400 < below < 0.97 * 400
+    assert map_error([], [], 0.2) == (None, None)
