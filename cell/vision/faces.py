@@ -29,6 +29,7 @@ _GROW_SHARE = 0.06
 _LEAST_SEED_SHARE = 0.12
 _LEAST_FACE_SHARE = 0.6
 _MOST_FACES = 16.0
+_MOST_PARTS = 6
 _RING_PX = (3, 5)
 _BEYOND_PX = 3
 _STEP_SLACKS = 2.0
@@ -108,25 +109,37 @@ def faces(
     even &= looked_at[::2, ::2]
     seeds = np.where(even > 0, model.label_table[label_index(quarter)], np.uint8(0))
     count, parts, stats, _ = cv2.connectedComponentsWithStats(seeds, connectivity=4)
-    taken = cv2.copyMakeBorder(looked_at, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=[255.0])
+    taken = np.asarray(
+        cv2.copyMakeBorder(looked_at, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=[255.0]), np.uint8
+    )
     cv2.threshold(taken, 0, _UNSEEN, cv2.THRESH_BINARY_INV, dst=taken)
-    growing = _Growing(small.copy(), np.asarray(taken, np.uint8), least_px)
+    growing = _Growing(small.copy(), taken, least_px)
     areas = stats[1:count, cv2.CC_STAT_AREA]
-    order = np.argsort(-areas)[: np.count_nonzero(areas >= _LEAST_SEED_SHARE * least_px / 4.0)]
+    least_seed = _LEAST_SEED_SHARE * least_px / 4.0
+    order = np.argsort(-areas)[: np.count_nonzero(areas >= least_seed)]
     for index, (left, top, wide, tall, _) in zip(
         (order + 1).tolist(), stats[order + 1].tolist(), strict=True
     ):
         window = np.s_[top : top + tall, left : left + wide]
         patch = np.asarray(cv2.inRange(parts[window], index, index), np.uint8)
         mean = cv2.mean(quarter[window], patch)[:3]
-        face = growing.grown(_inside(patch, left, top), (mean[0], mean[1], mean[2]))
-        if face is not None:
-            yield face
+        corners = np.s_[
+            2 * top + 1 : 2 * (top + tall) + 1 : 2, 2 * left + 1 : 2 * (left + wide) + 1 : 2
+        ]
+        # A seam may hold up the growth: what it leaves of a patch grows by itself.
+        for _ in range(_MOST_PARTS):
+            face = growing.grown(_inside(patch, left, top), (mean[0], mean[1], mean[2]))
+            if face is not None:
+                yield face
+            patch[taken[corners] > 0] = 0
+            if cv2.countNonZero(patch) < least_seed:
+                break
 
 
 def _inside(patch: Pixels, left: int, top: int) -> tuple[int, int]:
     """Return column and row in the half-size picture of a pixel in the middle of a patch."""
-    row = len(patch) // 2
+    filled = np.flatnonzero(patch.any(axis=1))
+    row = int(filled[len(filled) // 2])
     columns = np.flatnonzero(patch[row])
     return 2 * (left + int(columns[len(columns) // 2])), 2 * (top + row)
 

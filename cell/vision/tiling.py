@@ -45,6 +45,8 @@ _MOST_REFINED = 10
 _MOST_MOVED_MM = 3.5
 _LEAST_DISC_SUPPORT = 0.7
 _LEAST_BOX_SUPPORT = 0.3
+# Round: a square would cut the corners of turned blocks off.
+_SLIVER = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,7 +182,7 @@ class _Search:
         is_done = self._best_cost < _GOOD_SHARE * self._area + _FACE_COST_MM2 * len(placed)
         if self._nodes > _MOST_NODES or is_done or left_mm2 < 0.5 * self._least:
             return
-        left = cv2.morphologyEx(region, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+        left = cv2.morphologyEx(region, cv2.MORPH_OPEN, _SLIVER)
         tried = sorted(self._candidates(np.asarray(left, np.uint8)), key=lambda one: -one.fit)
         for one in self._exact(region, _distinct(tried)):
             rest = region.copy()
