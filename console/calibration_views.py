@@ -6,9 +6,13 @@ import sys
 from typing import TYPE_CHECKING
 
 from console.calibrating import age_of, now, stated_accuracy
-from console.output import Style, put, put_json, styled
+from console.output import Style, put, put_json, put_table, styled
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from pydantic import JsonValue
+
     from calibration.diffing import Difference
     from calibration.record import CalibrationRecord, Measurement
     from calibration.verdict import Grade
@@ -39,6 +43,9 @@ def put_whole(record: CalibrationRecord, *, is_in_force: bool, as_json: bool) ->
     put(_title(record))
     put("\n".join(_provenance(record, is_in_force=is_in_force)))
     put("\n".join(verdict_lines(record)))
+    for heading, rows in _looks(record):
+        put(styled(heading, "bold"))
+        put_table(rows[0], rows[1:])
     for heading, lines in (
         ("samples", _samples(record)),
         ("parameters", _parameters(record)),
@@ -54,6 +61,61 @@ def put_whole(record: CalibrationRecord, *, is_in_force: bool, as_json: bool) ->
         if lines:
             put(styled(heading, "bold"))
             put("\n".join(f"  {line}" for line in lines))
+
+
+def _looks(record: CalibrationRecord) -> list[tuple[str, list[tuple[str, ...]]]]:
+    """Return what was learned of blocks beside the reference's tables, with the margins."""
+    if record.kind != "recognition":
+        return []
+    tables: list[tuple[str, list[tuple[str, ...]]]] = []
+    colours, kinds = record.details.get("colours"), record.details.get("kinds")
+    if isinstance(colours, dict):
+        rows: list[tuple[str, ...]] = [("colour", "learned R, G, B", "seen", "reference")]
+        for name, one in colours.items():
+            if isinstance(one, dict):
+                seen = [list(pair) for pair in zip(
+                    _list(one, "seen_from"), _list(one, "seen_to"), strict=True
+                )]  # fmt: skip
+                rows.append((name, _figures(_list(one, "learned_rgb")),
+                             _ranges(seen),
+                             _ranges(_list(one, "reference"))))  # fmt: skip
+        tables.append(("colours", rows))
+    if isinstance(kinds, dict):
+        rows = [("kind", "area (px)", "reference", "circularity", "reference")]
+        for name, one in kinds.items():
+            if isinstance(one, dict):
+                figures = [_range(_list(one, key)) for key in (
+                    "area_px", "reference_area_px", "circularity", "reference_circularity"
+                )]  # fmt: skip
+                rows.append((name, *figures))
+        tables.append(("kinds", rows))
+    margins = [m for m in _list(record.details, "margins") if isinstance(m, list) and len(m) == 3]
+    if margins:
+        head = ("colours", "margin (Bhattacharyya distance)")
+        tables.append(("margins", [head, *((f"{a} and {b}", f"{m}") for a, b, m in margins)]))
+    return tables
+
+
+def _list(table: Mapping[str, JsonValue], key: str) -> list[JsonValue]:
+    value = table.get(key)
+    return value if isinstance(value, list) else []
+
+
+def _figures(values: Sequence[JsonValue]) -> str:
+    return ", ".join(f"{value:.0f}" for value in values if isinstance(value, int | float))
+
+
+def _range(pair: Sequence[JsonValue]) -> str:
+    figures = [
+        f"{value:.0f}" if abs(value) >= 10 else f"{value:.3g}"
+        for value in pair
+        if isinstance(value, int | float)
+    ]
+    return " to ".join(figures) or "-"
+
+
+def _ranges(pairs: Sequence[JsonValue] | Sequence[list[JsonValue]]) -> str:
+    return ", ".join(_range(pair) for pair in pairs if isinstance(pair, list)) or "-"
 
 
 def put_difference(

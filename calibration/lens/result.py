@@ -237,7 +237,8 @@ def _measurement(
             "size_px": list(size_px),
             "board": {
                 "kind": board.kind, "columns": board.columns, "rows": board.rows,
-                "square_mm": board.square_mm,
+                "square_mm": board.square_mm, "marker_mm": board.marker_mm,
+                "dictionary": board.dictionary,
             },
             "coverage": coverage(used, *size_px).tolist(),
             "tilts_deg": dict(tilts(fit.poses)),

@@ -113,7 +113,7 @@ def test_list_show_diff_and_undo(cell: Cell, tmp_path: Path) -> None:
     shown = cell("calibration", "show", "homography", "--picture", "over.png")
     assert "place 2  given (500.00, 0.00)" in shown.out
     assert "in force, cell mash" in shown.out
-    assert decode_png((tmp_path / "over.png").read_bytes(), "x").shape == (960, 1280, 3)
+    assert decode_png((tmp_path / "over.png").read_bytes(), "x").shape == (994, 1280, 3)
     whole = json.loads(cell("calibration", "show", before[:8], "--json").out)
     assert whole["is_in_force"] is False
     assert len(whole["samples"]) == 3
