@@ -19,10 +19,12 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue, ValidationError
 
 from calibration.errors import ArchiveError
 from calibration.files import replace
+from calibration.record import CalibrationRecord
 from calibration.verdict import Grade
 from cell.profile import CellProfile, Profile
 
 CHECKS_FILE: Final = "checks.json"
+_PLACING: Final = ("place", "plane_map")
 
 
 class _Part(BaseModel):
@@ -122,6 +124,32 @@ def knowledge_of(profile: Profile, camera: str) -> str:
     screen = [display.corner_x_mm, display.corner_y_mm, display.angle_deg, display.pixel_mm]
     text = json.dumps([values, screen, profile.heights.surface_mm], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def grade_in(last: LastCheck | None, profile: CellProfile, record: CalibrationRecord) -> str:
+    """Return what the last check said of the cameras that a calibration speaks of.
+
+    Args:
+        last: The last check; None if there was none.
+        profile: The cell's profile, with the calibrations in force.
+        record: One that is in force.
+
+    Returns:
+        A grade, `cannot tell`, or nothing if it was not checked since it counts.
+    """
+    if last is None or not isinstance(profile, Profile):
+        return ""
+    told = [
+        checked.grade
+        for name, checked in last.cameras.items()
+        if name in profile.cameras
+        and checked.knowledge == knowledge_of(profile, name)
+        and {f"cameras.{name}.{value}" for value in _PLACING} & set(record.values)
+    ]
+    grades = [grade for grade in told if grade is not None]
+    if grades:
+        return max(grades, key=lambda grade: grade.severity).value
+    return "cannot tell" if told else ""
 
 
 def moved_cameras(profile: CellProfile, last: LastCheck | None) -> Mapping[str, str]:

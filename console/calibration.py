@@ -30,14 +30,20 @@ def list_calibrations(*, profile: ProfileName = "mash", as_json: AsJson = False)
         profile: Profile of the cell.
         as_json: Write JSON for programs.
     """
+    from calibration.checks import grade_in
+    from console.drifting import last_check_of
+
     loaded = _load(profile)
     archive = archive_of(loaded)
     records, problems = archive.readable()
     # Tells those that do not fit the profile.
-    with_calibrations(loaded)
-    at = now()
+    known = with_calibrations(loaded).profile
+    last, at = last_check_of(loaded), now()
+    words = {record.identity: grade_in(last, known, record) for record in records}
+    day = "" if last is None else f" {last.at:%Y-%m-%d %H:%M}"
     if as_json:
-        put_json([_in_list(record, archive, age_s=(at - record.measured_at).total_seconds())
+        put_json([{**_in_list(record, archive, age_s=(at - record.measured_at).total_seconds()),
+                   "last_check": words[record.identity] or None}
                   for record in records])  # fmt: skip
         return
     if not records:
@@ -52,13 +58,14 @@ def list_calibrations(*, profile: ProfileName = "mash", as_json: AsJson = False)
             record.grade.value,
             stated_accuracy(record),
             age_of(record, at),
+            words[record.identity] + day if words[record.identity] else "-",
             " ".join(one[:8] + ("" if one in in_force else " (replaced)")
                      for one in record.based_on) or "-",
             record.identity[:8],
         )
         for record in records
     ]  # fmt: skip
-    put_table(("kind", "subject", "grade", "accuracy", "age", "based on", "id"), rows)
+    put_table(("kind", "subject", "grade", "accuracy", "age", "last check", "based on", "id"), rows)
 
 
 @app.command

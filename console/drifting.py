@@ -10,9 +10,9 @@ from console.output import say
 from console.places import calibrations_folder
 
 if TYPE_CHECKING:
-    from calibration.checks import Checks
+    from calibration.checks import LastCheck
     from calibration.record import CalibrationRecord
-    from cell.profile import Profile
+    from cell.profile import CellProfile, Profile
     from cell.watchdog import CalibrationCheck
 
 
@@ -29,16 +29,23 @@ def drift_check(profile: Profile, records: Sequence[CalibrationRecord]) -> Calib
     return DriftCheck(profile, records, Checks(calibrations_folder(profile.name)), now)
 
 
-def tell_last_check(profile: Profile, checks: Checks) -> None:
-    """Tell in a line each which calibrations the last check found to hold no more."""
-    from calibration.checks import moved_cameras
+def last_check_of(profile: CellProfile) -> LastCheck | None:
+    """Return the last check of a cell, None if there was none; one that cannot be read is told."""
+    from calibration.checks import Checks
     from calibration.errors import ArchiveError
 
     try:
-        last = checks.read().last
+        return Checks(calibrations_folder(profile.name)).read().last
     except ArchiveError as error:
         say(f"warning: {error}", "yellow")
-        return
+        return None
+
+
+def tell_last_check(profile: Profile) -> None:
+    """Tell in a line each which calibrations the last check found to hold no more."""
+    from calibration.checks import moved_cameras
+
+    last = last_check_of(profile)
     for camera, why in moved_cameras(profile, last).items():
         hint = "" if last is None else last.cameras[camera].hint
         say(f"warning: {why}; {hint}", "yellow")

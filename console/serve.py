@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from calibration.applying import Calibrated
-    from calibration.checks import Checks
     from cell.profile import Profile
     from cell.robot_cell import RobotCell
     from cell.twin_cell import TwinCell
@@ -172,12 +171,13 @@ def _host(
             checks=checks,
         )
     stack.callback(hosted.close)
-    _tell_calibrations(known, checks)
+    _tell_calibrations(known)
     return hosted
 
 
-def _tell_calibrations(known: Calibrated[Profile], checks: Checks) -> None:
+def _tell_calibrations(known: Calibrated[Profile]) -> None:
     """Tell which calibrations are in force, whether they hold, and what is demanded and missing."""
+    from calibration.checks import Checks
     from calibration.verdict import Grade
     from console.calibrating import in_a_line, now
     from sessions.quality import shortcomings
@@ -185,7 +185,8 @@ def _tell_calibrations(known: Calibrated[Profile], checks: Checks) -> None:
     at = now()
     for record in known.records:
         say(in_a_line(record, at), "dim" if record.grade is Grade.OK else "yellow")
-    tell_last_check(known.profile, checks)
+    tell_last_check(known.profile)
+    checks = Checks(calibrations_folder(known.profile.name))
     for problem in shortcomings(known.profile, known.records, checks=checks):
         say(f"warning: no task will begin: {problem}", "yellow")
 

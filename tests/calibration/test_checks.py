@@ -14,12 +14,14 @@ from calibration.checks import (
     Checks,
     Kept,
     LastCheck,
+    grade_in,
     knowledge_of,
     moved_cameras,
 )
 from calibration.errors import ArchiveError
 from calibration.verdict import Grade
 from cell.profile import load_profile
+from tests.calibration.records import a_record
 
 PROFILE = load_profile("mash")
 AT = datetime(2026, 5, 4, 3, 2, tzinfo=UTC)
@@ -72,3 +74,12 @@ def test_a_check_counts_no_more_after_a_new_calibration_of_camera_or_screen() ->
     brighter = PROFILE.cameras["top"].model_copy(update={"settings": settings})
     set_up = PROFILE.model_copy(update={"cameras": {**PROFILE.cameras, "top": brighter}})
     assert set(moved_cameras(set_up, bad)) == {"top"}
+
+
+def test_a_list_of_calibrations_tells_what_the_last_check_said_of_each() -> None:
+    top = a_record(values={"cameras.top.plane_map": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]})
+    lattice = a_record(values={"lattice.angle_deg": 1.0})
+    assert grade_in(last_check(Grade.BAD), PROFILE, top) == "BAD"
+    assert grade_in(last_check(None), PROFILE, top) == "cannot tell"
+    assert grade_in(last_check(Grade.BAD), PROFILE, lattice) == ""
+    assert grade_in(None, PROFILE, top) == ""
