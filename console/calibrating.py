@@ -24,11 +24,12 @@ def archive_of(profile: CellProfile) -> Archive:
     return Archive(calibrations_folder(profile.name))
 
 
-def with_calibrations(profile: ProfileT) -> Calibrated[ProfileT]:
+def with_calibrations(profile: ProfileT, *, is_quiet: bool = False) -> Calibrated[ProfileT]:
     """Return a profile with the calibrations in force; what does not fit is told and left out.
 
     Args:
         profile: What the cell's file says.
+        is_quiet: Whether nothing is told.
 
     Raises:
         ArchiveError: What is in force cannot be read at all.
@@ -40,7 +41,9 @@ def with_calibrations(profile: ProfileT) -> Calibrated[ProfileT]:
         return Calibrated(profile=profile)
     records, problems = archive_of(profile).readable()
     found = calibrate_where_it_fits(profile, records)
-    for problem in (*problems, *map(str, found.misfits), *map(str, found.stale)):
+    for problem in (
+        () if is_quiet else (*problems, *map(str, found.misfits), *map(str, found.stale))
+    ):
         say(f"warning: {problem}", "yellow")
     return found
 

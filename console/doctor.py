@@ -101,10 +101,11 @@ def _examine(
     from cell.doctor import examine
 
     folder = cell_folder(profile.name)
+    known = with_calibrations(profile, is_quiet=True).profile
     return examine(
-        profile,
-        environment_of(profile, script, wires),
-        meeting(profile, script, wires),
+        known,
+        environment_of(known, script, wires),
+        meeting(known, script, wires, truth=profile),
         only=component,
         learned=_learned(folder),
         progress=progress,
@@ -112,9 +113,16 @@ def _examine(
 
 
 def meeting(
-    profile: Profile, script: str, wires: Wires
+    profile: Profile, script: str, wires: Wires, *, truth: Profile
 ) -> Callable[[], AbstractContextManager[Patient]]:
-    """Return how the doctor meets the cell of a profile."""
+    """Return how the doctor meets the cell of a profile.
+
+    Args:
+        profile: What is known of the cell: its file, with the calibrations in force.
+        script: The script whose store and views it serves.
+        wires: How the devices are reached.
+        truth: What its file says, which a twin is made by.
+    """
     from cell.clock import SimulatedClock, SystemClock
     from cell.doctor.meeting import meet_hardware, meet_twin
     from console.scripts import load_script
@@ -153,6 +161,7 @@ def meeting(
         wires=wires,
         lattice=lattice,
         views=views,
+        truth=truth,
     )
 
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from calibration.applying import Calibrated
+    from cell.profile import CellProfile
     from cell.profile.checking import CheckedProfile
     from cell.profile.compare import Absent
     from cell.profile.listing import Leaf, ListedValue
@@ -115,6 +117,9 @@ def show(
     /,
     *,
     text: Annotated[bool, Parameter(negative="", help="The file as it is written.")] = False,
+    calibrated: Annotated[
+        bool, Parameter(negative="", help="With the calibrations in force, which go before it.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Show every value of a profile, its unit, and where it came from.
@@ -122,13 +127,27 @@ def show(
     Args:
         name: Name of a profile, or the path of one.
         text: Whether the file is shown as it is written.
+        calibrated: Whether the calibrations in force take the place of the file's values.
         as_json: Write JSON for programs.
     """
     from cell.profile.listing import listed_values
 
     checked = _checked(name)
     profile = checked.require()
-    if as_json:
+    if text and calibrated:
+        raise ConsoleError("--text shows the file as it is written; leave out --calibrated")
+    if calibrated:
+        from console.calibrating import with_calibrations
+
+        known = with_calibrations(profile)
+        if as_json:
+            put_json(known.profile.model_dump(mode="json"))
+        else:
+            count = len(known.records)
+            in_force = "1 calibration" if count == 1 else f"{count} calibrations"
+            say(f"{checked.source.name}, with {in_force} in force", "dim")
+            put("\n".join(_calibrated_lines(checked, known)))
+    elif as_json:
         put_json(profile.model_dump(mode="json"))
     elif text:
         put(checked.source.text.rstrip())
@@ -220,10 +239,38 @@ def _asked_ports(source: ProfileSource) -> dict[str, str]:
 
 def _lines(values: Sequence[ListedValue]) -> list[str]:
     """Return a line for each value: `server.port = 10993   # line 6`."""
+    return _beside(values, ["default" if v.line is None else f"line {v.line}" for v in values])
+
+
+def _beside(values: Sequence[ListedValue], origins: Sequence[str]) -> list[str]:
     left = [f"{v.field} = {_as_text(v.value)}{f' {v.unit}' * bool(v.unit)}" for v in values]
     width = min(max(len(one) for one in left), 60)
-    origins = ["default" if v.line is None else f"line {v.line}" for v in values]
     return [f"{one:{width}}  # {o}" for one, o in zip(left, origins, strict=True)]
+
+
+def _calibrated_lines(checked: CheckedProfile, known: Calibrated[CellProfile]) -> list[str]:
+    """Return a line for each value of a calibrated profile: the calibration, or the file's line."""
+    from calibration.applying import setters
+    from cell.profile.findings import dotted
+    from cell.profile.listing import ListedValue, field_unit, leaves_of, listed_values
+
+    by = setters(known.records)
+    written = {one.path: one for one in listed_values(checked)}
+    taken = {stale.path for stale in known.stale}
+    values: list[ListedValue] = []
+    origins: list[str] = []
+    for path, value in leaves_of(known.profile):
+        field = dotted(path)
+        record = next((r for own, r in by.items() if f"{field}.".startswith(f"{own}.")), None)
+        line = written[path].line if path in written else None
+        values.append(ListedValue(path, value, field_unit(path), line))
+        if record is not None:
+            origins.append(f"calibration {record.identity[:8]} ({record.kind} of {record.subject})")
+        elif field in taken:
+            origins.append("left out: fitted with another lens")
+        else:
+            origins.append("default" if line is None else f"line {line}")
+    return _beside(values, origins)
 
 
 def _defaults_taken(checked: CheckedProfile) -> list[str]:

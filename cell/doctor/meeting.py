@@ -57,11 +57,22 @@ def meet_twin(
     wires: TwinWires = "memory",
     lattice: tuple[int, int] = (12, 12),
     views: tuple[str, ...] = (),
+    truth: Profile | None = None,
 ) -> Iterator[Patient]:
     """Put a twin together for the doctor, and away afterwards.
 
     It begins with the world that is kept in the folder, and writes nothing there. Where that
     world cannot be used, which is a finding of its own, it begins with a clean one.
+
+    Args:
+        profile: What is known of the cell.
+        plan: Its store.
+        clock: The clock of everything in it.
+        state_folder: Where world and ledger are kept.
+        wires: How drivers and emulators are joined.
+        lattice: Columns and rows of the widest world that is played.
+        views: Names of the cameras that the script's views need.
+        truth: How the cell really is; as it is known unless given.
 
     Raises:
         StillHeld: Another process has the cell.
@@ -75,7 +86,7 @@ def meet_twin(
         if folder is not None and _has_sound_world(profile, plan, clock, folder):
             copied = Path(stack.enter_context(TemporaryDirectory(prefix="robocell-doctor-")))
             shutil.copy(folder / _WORLD, copied / _WORLD)
-        cell = assemble_twin(profile, plan, seed=0, clock=clock, state_folder=copied)
+        cell = assemble_twin(profile, plan, seed=0, clock=clock, state_folder=copied, truth=truth)
         stack.callback(cell.dispose)
         patient = patient_of_twin(cell, lattice=lattice, views=views)
         if folder is not None:
