@@ -180,10 +180,9 @@ class CalibrationRecord(Measurement):
     def canonical(self) -> bytes:
         """Return the content in one fixed form.
 
-        Without `stands_on` where it is empty, so that a record that was kept before there was
-        such a field keeps its identity.
+        Only what was given: a record that was kept before there was a field keeps its identity.
         """
-        data = self.model_dump(mode="json", exclude=None if self.stands_on else {"stands_on"})
+        data = self.model_dump(mode="json", exclude_unset=True)
         return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 
@@ -212,7 +211,7 @@ def make_record(
     if measured_at.tzinfo is None:
         raise ValueError("the time of a calibration needs its time zone")
     content = {name: getattr(measurement, name) for name in Measurement.model_fields}
-    return CalibrationRecord(
+    record = CalibrationRecord(
         **content,
         cell=cell,
         measured_at=measured_at,
@@ -220,3 +219,5 @@ def make_record(
         answers=dict(answers),
         cameras=dict(cameras or {}),
     )
+    # What has its default is told as well: the default may be another one later.
+    return CalibrationRecord.model_validate(record.model_dump())

@@ -68,6 +68,22 @@ def test_the_identity_follows_the_content() -> None:
     assert a_record().identity != a_record(measured_at=WHEN + timedelta(microseconds=1)).identity
 
 
+def test_a_record_keeps_its_identity_when_later_programs_add_fields() -> None:
+    record = a_record(held_out_mm=0.8)
+    data = json.loads(record.canonical())
+    assert set(data) == set(CalibrationRecord.model_fields)
+    for part, field in (
+        (data, "stands_on"),
+        (data, "details"),
+        (data["accuracy"], "predicted_max"),
+    ):
+        del part[field]
+    older = CalibrationRecord.model_validate(data)
+    assert json.loads(older.canonical()) == data
+    again = CalibrationRecord.model_validate_json(older.canonical())
+    assert again.identity == older.identity != record.identity
+
+
 def test_a_time_without_a_zone_is_refused() -> None:
     with pytest.raises(ValueError, match="time zone"):
         a_record(measured_at=WHEN.replace(tzinfo=None))
