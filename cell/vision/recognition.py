@@ -23,6 +23,7 @@ from cell.vision.colour_model import ColourGuess, ColourModel, reference_colours
 from cell.vision.confidence import confidence_of
 from cell.vision.face_fit import FittedFace, Start, fit_faces
 from cell.vision.faces import PITCH_PX, Face, faces, halved
+from cell.vision.seams import in_seen_order
 from cell.vision.sight import TableSight, turned
 from cell.vision.tables import fold_deg
 from cell.vision.tiling import Placement, may_be_blocks, single_faces, tile
@@ -181,6 +182,28 @@ def recognise(
     )
 
 
+def fitted_faces(
+    look: TwoPictures | OnePicture,
+    sight: TableSight,
+    model: RecognitionModel | None = None,
+) -> list[tuple[FittedFace, bool]]:
+    """Return all faces laid on their edges, accepted or not, and whether each is of a group.
+
+    For those who judge the recogniser; blocks are told by `recognise`.
+
+    Args:
+        look: One picture or two.
+        sight: What is known of the table.
+        model: What was learned; the reference's tables without one.
+
+    Raises:
+        VisionError: A picture has the wrong shape.
+    """
+    picture = look.black if isinstance(look, TwoPictures) else look.pixels
+    _check(picture)
+    return _Look(picture, sight, model or reference_model(), None).fitted()
+
+
 def _check(picture: Pixels) -> None:
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
         raise VisionError(
@@ -220,6 +243,15 @@ class _Look:
             area=self._area,
             light=light,
         )
+
+    def fitted(self) -> list[tuple[FittedFace, bool]]:
+        """Return the faces before they are judged."""
+        starts, groups = self._starts(halved(self._small))
+        faces_found = fit_faces(self._picture, starts)
+        return [
+            (face, groups.count(number) > 1)
+            for face, number in zip(faces_found, groups, strict=True)
+        ]
 
     def _starts(self, quarter: Pixels) -> tuple[list[Start], list[int]]:
         """Return where faces may lie, and the number of the patch that each is part of."""
@@ -272,7 +304,10 @@ class _Look:
         if is_stepped and may_be_blocks(outline, kinds):
             several = tile(outline, grown, kinds, refine)
             if several is not None:
-                return several
+                ordered = in_seen_order(several, self._picture, px_from_mm)
+                if ordered is None:
+                    self._report("flush blocks in a row whose order cannot be seen", face)
+                return ordered or []
         if face.touches_edge(self._area.mask):
             self._report("cut by the edge of the picture, the screen or what hides it", face)
         return []
