@@ -1,9 +1,10 @@
 """The homography wizard on 200 twin cells that are not what their profile says, all rendered.
 
 Unlike `calibrated_cells`, nothing is projected: the arm places the calibration object with the
-twin's scatter, and the wizard finds it in rendered pictures. The camera trembles: each
-placement's pictures are shifted by 0.5 px (standard deviation) in each direction. The lens
-comes from 12 views of a board, corners found to 0.5 px. `ROBOCELL_CELLS` plays fewer.
+twin's scatter, and the wizard finds it in rendered pictures. In each placement's pictures the
+object's surroundings are shifted by 0.5 px (standard deviation) in each direction, so that it
+is found that much beside its place. The lens comes from 12 views of a board, corners found to
+0.5 px. `ROBOCELL_CELLS` plays fewer.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from calibration.player import play
 from calibration.record import Measurement, make_record
 from calibration.requests import Answer, Picture, PutBlock, Request
 from calibration.verdict import Grade
-from cell.geometry import LensModel
+from cell.geometry import CameraView, LensModel
 from cell.profile import LensProfile, Profile, load_profile
 from cell.stop import StopToken
 from tests.calibration.hidden_truth import block_top_mm, hidden, playground_grid, true_view
@@ -36,32 +37,46 @@ from tests.calibration.playing import Answers, site_of, twin_of
 
 CELLS = int(os.environ.get("ROBOCELL_CELLS", "200"))
 TREMBLE_PX = 0.5
+AROUND_PX = 70
+"""Half the window that is shifted: the object, its shadow and lit screen around them."""
 POINTS = 4
 
 Points = NDArray[np.float64]
 
 
 class TremblingHands:
-    """Hands whose camera moves a little whenever the object was placed."""
+    """Hands in whose pictures the object is seen a little beside where it is."""
 
-    def __init__(self, hands: CellHands, random: np.random.Generator) -> None:
-        self._hands, self._random = hands, random
-        self._shift_px = np.zeros(2)
+    def __init__(
+        self, hands: CellHands, random: np.random.Generator, view: CameraView, top_mm: float
+    ) -> None:
+        self._hands, self._random, self._view = hands, random, view
+        self._top_mm = top_mm
+        self._shift_px, self._at_px = np.zeros(2), np.zeros(2)
 
     def perform(self, request: Request) -> Answer:
-        """Do it; pictures are shifted."""
+        """Do it; what is around the object is shifted in pictures."""
         if isinstance(request, PutBlock):
             self._shift_px = self._random.normal(0.0, TREMBLE_PX, 2)
+            place = np.array([request.place.x_mm, request.place.y_mm])
+            self._at_px = self._view.to_picture(place, self._top_mm)
         answer = self._hands.perform(request)
         if isinstance(answer, Picture):
-            height, width = answer.pixels.shape[:2]
-            shift = np.column_stack([np.eye(2), self._shift_px])
-            moved = cv2.warpAffine(
-                answer.pixels, shift, (width, height), flags=cv2.INTER_LINEAR,
-                borderMode=cv2.BORDER_REPLICATE,
-            )  # fmt: skip
-            return replace(answer, pixels=np.asarray(moved, np.uint8))
+            return replace(answer, pixels=self._shifted(answer.pixels))
         return answer
+
+    def _shifted(self, pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        height, width = pixels.shape[:2]
+        u, v = np.rint(self._at_px).astype(int)
+        rows = slice(max(v - AROUND_PX, 0), min(v + AROUND_PX, height))
+        columns = slice(max(u - AROUND_PX, 0), min(u + AROUND_PX, width))
+        window = pixels[rows, columns]
+        shift = np.column_stack([np.eye(2), self._shift_px])
+        moved = pixels.copy()
+        moved[rows, columns] = cv2.warpAffine(
+            window, shift, window.shape[1::-1], borderMode=cv2.BORDER_REPLICATE
+        )
+        return moved
 
 
 def run() -> list[Result]:
@@ -106,7 +121,7 @@ def one_cell(profile: Profile, seed: int) -> tuple[Points, Points, Measurement]:
     known = _with_lens(profile, lens)
     answers = {"points": float(POINTS), "fresh": 0.0, "pixel_noise": TREMBLE_PX}
     with twin_of(known, truth, seed) as cell:
-        hands = TremblingHands(CellHands(lambda: cell), random)
+        hands = TremblingHands(CellHands(lambda: cell), random, view, top)
         measured = play(
             calibrate_homography(site_of(known)), hands=hands, asker=Answers(answers),
             stop=StopToken(),
