@@ -41,7 +41,7 @@ _ROUNDS = 50
 
 def run() -> list[Result]:
     """Compare the Brier score of stated confidences with that of the share that was right."""
-    samples = [one for index in range(0, _LAYOUTS, 2) for one in _samples(index)]
+    samples = [one for index in range(0, _LAYOUTS, 2) for one in hard_samples(index)]
     said = np.array([confidence_of(face, is_group=group) for face, group, _ in samples])
     right = np.array([is_right for _, _, is_right in samples], np.float64)
     brier = float(np.mean(np.square(said - right)))
@@ -77,7 +77,7 @@ def largest_gap(said: NDArray[np.float64], right: NDArray[np.float64]) -> float:
 
 def fit() -> NDArray[np.float64]:
     """Return base and coefficients of a logistic regression on the odd layouts."""
-    samples = [one for index in range(1, _LAYOUTS, 2) for one in _samples(index)]
+    samples = [one for index in range(1, _LAYOUTS, 2) for one in hard_samples(index)]
     features = np.array([features_of(face, is_group=group) for face, group, _ in samples])
     right = np.array([is_right for _, _, is_right in samples], np.float64)
     design = np.concatenate([np.ones((len(features), 1)), features], axis=1)
@@ -94,7 +94,7 @@ def fit() -> NDArray[np.float64]:
     return beta
 
 
-def _samples(index: int) -> Iterator[tuple[FittedFace, bool, bool]]:
+def hard_samples(index: int) -> Iterator[tuple[FittedFace, bool, bool]]:
     """Yield the faces of one layout, whether each is of a group, and whether it is right."""
     generator = np.random.default_rng([_SEED, index])
     laid = random_layout(generator, touching=0.6)

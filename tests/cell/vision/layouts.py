@@ -203,12 +203,12 @@ def judge(tally: Tally, laid: list[Laid], recognition: Recognition, where: str) 
         )
 
 
-def run_layouts(count: int, seed: int, *, view: CameraView | None = None) -> dict[str, Tally]:
+def run_layouts(count: int, seed: int, *, sight: TableSight | None = None) -> dict[str, Tally]:
     """Return the tallies, by `one picture` and `two pictures`, of random layouts.
 
     Backgrounds and lights take turns; every layout's seed is in the text of what was wrong.
     """
-    sight = TableSight.of_profile(PROFILE, "top", view or true_view())
+    sight = sight or TableSight.of_profile(PROFILE, "top", true_view())
     tallies = {"one picture": Tally(), "two pictures": Tally()}
     for number, level in enumerate(LIGHTS):
         stage = Stage()

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.recognition_confidence import hard_samples, largest_gap
 from cell.errors import VisionError
 from cell.profile import Profile, TwinLightProfile
 from cell.vision.arm_mask import arm_mask
+from cell.vision.confidence import confidence_of
 from cell.vision.overlay import draw_coverage, draw_recognition, draw_residuals
 from cell.vision.recognition import OnePicture, TwoPictures, recognise
 from cell.vision.sight import TableSight
@@ -28,34 +30,71 @@ SIGHT = TableSight.of_profile(PROFILE, "top", true_view())
 
 @pytest.fixture(scope="module")
 def tallies() -> dict[str, Tally]:
-    return run_layouts(20, seed=20)
+    return run_layouts(60, seed=20)
 
 
-@pytest.mark.parametrize(("method", "least"), [("one picture", 0.98), ("two pictures", 0.99)])
+@pytest.mark.parametrize(("method", "least"), [("one picture", 0.98), ("two pictures", 0.995)])
 def test_blocks_of_random_layouts_are_told(
     tallies: dict[str, Tally], method: str, least: float
 ) -> None:
     tally = tallies[method]
     assert tally.share >= least, tally.wrong
     assert tally.false == []
-    assert tally.rms_mm < 0.3
-    assert tally.rms_deg < 0.5
+    assert tally.rms_mm < 0.15
+    assert tally.rms_deg < 0.15
 
 
 @pytest.mark.parametrize("method", ["one picture", "two pictures"])
-def test_stated_deviations_are_those_of_the_misses(tallies: dict[str, Tally], method: str) -> None:
+def test_misses_over_stated_deviations_have_unit_spread(
+    tallies: dict[str, Tally], method: str
+) -> None:
     tally = tallies[method]
-    # Stated along one axis, missed in the plane.
-    stated_mm = float(np.sqrt(2.0 * np.mean(np.square(tally.stated_mm))))
-    assert 0.6 < tally.rms_mm / stated_mm < 1.6
-    stated_deg = float(np.sqrt(np.mean(np.square(tally.stated_deg))))
-    assert 0.4 < tally.rms_deg / stated_deg < 1.6
+    # Stated along the worst axis, missed in the plane.
+    off_mm = np.array(tally.off_mm) / (np.sqrt(2.0) * np.array(tally.stated_mm))
+    assert 0.85 < np.sqrt(np.mean(np.square(off_mm))) < 1.15
+    off_deg = np.array(tally.off_deg) / np.array(tally.stated_deg)
+    assert 0.85 < np.sqrt(np.mean(np.square(off_deg))) < 1.15
 
 
-def test_confidence_is_the_share_that_is_right(tallies: dict[str, Tally]) -> None:
+def test_blocks_taken_are_as_often_right_as_their_confidence_says(
+    tallies: dict[str, Tally],
+) -> None:
     said = [pair for tally in tallies.values() for pair in tally.confidences]
     stated = np.mean([confidence for confidence, _ in said])
     assert stated == pytest.approx(np.mean([is_right for _, is_right in said]), abs=0.02)
+
+
+def test_confidence_tells_right_faces_from_wrong_ones_in_hard_pictures() -> None:
+    # Seeds 17, 1000 and up: no layout of the fit.
+    samples = [one for index in range(1000, 1024) for one in hard_samples(index)]
+    said = np.array([confidence_of(face, is_group=is_group) for face, is_group, _ in samples])
+    right = np.array([is_right for _, _, is_right in samples], np.float64)
+    assert 0.5 < right.mean() < 0.98
+    by_chance = right.mean() * (1.0 - right.mean())
+    assert np.mean(np.square(said - right)) < 0.6 * by_chance
+    assert largest_gap(said, right) < 0.2
+
+
+@pytest.mark.parametrize("view", ["2 mm and 0.3 % off", "plane map alone"])
+def test_a_view_that_is_slightly_off_costs_no_block(view: str) -> None:
+    camera = PROFILE.twin.cameras["top"]
+    x, y, z = camera.position_mm
+    sight = (
+        TableSight.of_profile(PROFILE, "top")
+        if view == "plane map alone"
+        else TableSight.of_profile(
+            PROFILE,
+            "top",
+            true_view(
+                camera.model_copy(
+                    update={"position_mm": (x + 2.0, y, z + 0.003 * (z - SIGHT.top_mm))}
+                )
+            ),
+        )
+    )
+    for method, tally in run_layouts(15, seed=31, sight=sight).items():
+        assert tally.wrong == tally.false == [], method
+        assert tally.rms_mm < 3.0
 
 
 def shown(stage: Stage, picture: str, profile: Profile = PROFILE) -> NDArray[np.uint8]:
