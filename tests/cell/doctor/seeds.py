@@ -332,6 +332,9 @@ def _interrupted(folder: Path) -> Ward:
 
 
 def _state(folder: Path) -> Ward:
+    hour_ago = (NOW - timedelta(hours=1)).timestamp()
+    for path in folder.iterdir():
+        os.utime(path, (hour_ago, hour_ago))
     ward = _ward(folder)
     ward.surroundings.state_folder = folder
     return ward

@@ -32,7 +32,15 @@ def test_an_examination_of_a_seeded_fault_ends_with_findings_that_help(
         assert finding.facts
 
 
-def test_the_seeded_cause_comes_first(named: dict[str, tuple[str, ...]]) -> None:
+def test_the_seeded_cause_comes_first(
+    named: dict[str, tuple[str, ...]], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    for seed in SEEDS:
+        # Those that another process tested are not known in this one.
+        if seed.name not in named:
+            folder = tmp_path_factory.mktemp("seed")
+            report = seed.arrange(folder).examine(seed.only)
+            named[seed.name] = tuple(finding.cause.id for finding in report.findings)
     right = [seed for seed in SEEDS if named[seed.name][:1] == (seed.cause,)]
     print(f"named first: {len(right)} of {len(SEEDS)} seeded faults")
     wrong = [f"{s.name}: {s.cause}, found {named[s.name]}" for s in SEEDS if s not in right]
