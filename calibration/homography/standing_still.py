@@ -3,7 +3,8 @@
 What does not move between two pictures is everything but the object: the screen's edge, the
 table, the store. The shift that brings one picture over the other is found by phase
 correlation, then by Gauss-Newton on the grey values (Lucas and Kanade 1981), with the places
-of the object in both left out.
+of the object in both left out. Correlation has wrong peaks too: a shift is believed only if
+undoing it really makes the pictures alike, in the whole and in most of their parts.
 """
 
 from __future__ import annotations
@@ -25,6 +26,14 @@ SEEN_PX: Final = 0.4
 """Shifts below this are not told from noise, shadows and the object's light."""
 
 _BAD_PX: Final = 1.0
+_REALLY_LESS: Final = 0.5
+"""Share of the squared difference that may be left once a shift is undone."""
+
+_TILES: Final = (6, 8)
+_MOST_TILES: Final = 0.5
+_TELLING: Final = 1.0
+"""Mean squared difference, in grey levels squared, from which a tile has a say."""
+
 _AROUND: Final = 3.0
 _STEPS: Final = 12
 _DONE_PX: Final = 0.005
@@ -62,17 +71,62 @@ def judge_camera(pairs: Sequence[Pair]) -> tuple[Finding, ...]:
 def shift_between(first: Pair, later: Pair) -> Points | None:
     """Return by how many px (u, v) the fixed scene of a later picture lies elsewhere.
 
-    In a direction in which nothing of it has an edge the shift is 0. None where there is no
-    picture, or nothing fixed in it.
+    In a direction in which nothing of it has an edge the shift is 0, and so it is where no
+    shift makes the pictures alike. None where there is no picture, or nothing fixed in it.
     """
     if first.still is None or later.still is None or first.still.shape != later.still.shape:
         return None
     one, other = _smooth(first.still), _smooth(later.still)
     weight = _without_object(one.shape, (first, later), first.still_scale)
     window = cv2.createHanningWindow(one.shape[::-1], cv2.CV_32F) * weight
-    (u, v), _ = cv2.phaseCorrelate(_slopes(one) * window, _slopes(other) * window)
-    shift = _refined(one, other, weight, np.array([u, v]))
-    return None if shift is None else shift * first.still_scale
+    peak, _ = cv2.phaseCorrelate(_slopes(one) * window, _slopes(other) * window)
+    tried = [_refined(one, other, weight, np.array(start)) for start in (peak, (0.0, 0.0))]
+    shifts = [shift for shift in tried if shift is not None and np.isfinite(shift).all()]
+    if not shifts:
+        return None
+    sure = [shift for shift in shifts if _is_confirmed(one, other, weight, shift)]
+    if not sure:
+        return np.zeros(2)
+    best = min(sure, key=lambda shift: float(_differences(one, other, weight, shift)[0].mean()))
+    return best * first.still_scale
+
+
+def _is_confirmed(one: Grey, other: Grey, weight: Grey, shift: Points) -> bool:
+    """Tell whether undoing a shift makes the pictures alike, in the whole and in most tiles."""
+    left, seen = _differences(one, other, weight, shift)
+    was = np.where(seen, weight * (other - one) ** 2, 0.0)
+    if float(left.sum()) > _REALLY_LESS * float(was.sum()):
+        return False
+    before, after = _tiled(was), _tiled(left)
+    has_say = (np.maximum(before, after) > _TELLING) & (_tiled(weight * seen) > 0.5)
+    if not has_say.any():
+        return True
+    agree = after[has_say] <= _REALLY_LESS * before[has_say]
+    return float(agree.mean()) > _MOST_TILES
+
+
+def _differences(
+    one: Grey, other: Grey, weight: Grey, shift: Points
+) -> tuple[Points, NDArray[np.bool_]]:
+    """Return squared differences once a shift is undone, and which pixels both pictures show."""
+    seen = _moved(np.ones_like(weight), shift, cv2.BORDER_CONSTANT) > 0.99
+    miss = _moved(other, shift, cv2.BORDER_REPLICATE) - one
+    return np.where(seen, weight * miss**2, 0.0), seen
+
+
+def _tiled(values: NDArray[np.floating]) -> Points:
+    """Return the mean of each tile."""
+    tiles = cv2.resize(np.asarray(values, np.float64), _TILES[::-1], interpolation=cv2.INTER_AREA)
+    return np.asarray(tiles, np.float64)
+
+
+def _moved(grey: Grey, shift: Points, border: int) -> Grey:
+    back = np.array([[1.0, 0.0, shift[0]], [0.0, 1.0, shift[1]]])
+    moved = cv2.warpAffine(
+        grey, back, grey.shape[::-1], flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=border,
+    )  # fmt: skip
+    return np.asarray(moved, np.float32)
 
 
 def _smooth(grey: Grey) -> Grey:
@@ -95,7 +149,6 @@ def _without_object(shape: tuple[int, ...], pairs: tuple[Pair, Pair], scale: flo
 
 
 def _refined(one: Grey, other: Grey, weight: Grey, start: Points) -> Points | None:
-    height, width = one.shape
     across, down = (cv2.Sobel(one, cv2.CV_32F, *axes, scale=0.125) for axes in ((1, 0), (0, 1)))
     slopes = np.stack([across, down]) * weight
     square = np.einsum("ahw,bhw->ab", slopes, slopes, dtype=np.float64)
@@ -106,11 +159,7 @@ def _refined(one: Grey, other: Grey, weight: Grey, start: Points) -> Points | No
     inverse = (axes[:, is_seen] / strength[is_seen]) @ axes[:, is_seen].T / float(weight.sum())
     shift = axes[:, is_seen] @ (axes[:, is_seen].T @ start)
     for _ in range(_STEPS):
-        back = np.array([[1.0, 0.0, shift[0]], [0.0, 1.0, shift[1]]])
-        moved = cv2.warpAffine(
-            other, back, (width, height), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-            borderMode=cv2.BORDER_REPLICATE,
-        )  # fmt: skip
+        moved = _moved(other, shift, cv2.BORDER_REPLICATE)
         step = -inverse @ np.einsum("ahw,hw->a", slopes, moved - one, dtype=np.float64)
         shift = shift + step
         if float(np.hypot(*step)) < _DONE_PX:

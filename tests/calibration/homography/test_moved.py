@@ -157,3 +157,18 @@ def test_screen_and_lights_that_are_off_are_both_named() -> None:
     with pytest.raises(ObjectNotFound) as error:
         on_screen(dark, dark)
     assert [finding.code for finding in error.value.findings] == ["screen-off", "lights-off"]
+
+
+def test_a_wrong_peak_of_the_correlation_accuses_nobody() -> None:
+    with twin_of(NOMINAL, hidden(NOMINAL, 1010), 1010) as cell:
+        found = played(calibrate_homography(site_of(NOMINAL)), {"fresh": 0.0}, cell)
+    assert "camera-moved" not in codes(found)
+    assert "cameras.top.plane_map" in found.values
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_move_of_one_and_a_half_pixels_is_seen_whatever_its_direction(seed: int) -> None:
+    turn = float(np.random.default_rng([seed, 15]).uniform(0.0, 2.0 * np.pi))
+    truth = (1.5 * np.cos(turn), 1.5 * np.sin(turn))
+    pairs = [scene((0.0, 0.0), (200.0, 300.0), 1), scene(truth, (900.0, 700.0), 2)]
+    assert [finding.code for finding in judge_camera(pairs)] == ["camera-moved"], seed
