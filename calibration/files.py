@@ -93,10 +93,15 @@ def sole_user(folder: Path, what: str) -> Iterator[None]:
         what: What goes on in it, for the message.
 
     Raises:
-        ArchiveError: Another program has it.
-        OSError: The folder cannot be written.
+        ArchiveError: Another program has it, or the folder cannot be written.
     """
-    file = _opened(folder)
+    try:
+        file = _opened(folder)
+    except OSError as error:
+        raise ArchiveError(
+            f"{folder} cannot be written, and so {what} cannot be noted there: "
+            f"{error.strerror or error}; nothing was begun"
+        ) from error
     try:
         if not _taken(file):
             raise ArchiveError(

@@ -16,6 +16,7 @@ import os
 import shutil
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
@@ -82,6 +83,23 @@ class RunJournal:
     def exists(self) -> bool:
         """Whether there are notes of an interrupted run."""
         return (self._folder / "start.json").exists()
+
+    @property
+    def noted(self) -> int:
+        """How many whole answers are on disk."""
+        try:
+            return (self._folder / "answers.jsonl").read_bytes().count(b"\n")
+        except OSError:
+            return 0
+
+    @property
+    def interrupted_at(self) -> datetime | None:
+        """When the last answer of an interrupted run was noted, None without any."""
+        try:
+            changed_s = (self._folder / "answers.jsonl").stat().st_mtime
+        except OSError:
+            return None
+        return datetime.fromtimestamp(changed_s, UTC) if self.exists and self.noted else None
 
     @property
     def known(self) -> int:
@@ -180,9 +198,18 @@ class RunJournal:
         return (self._folder / f"{digest}.png").exists()
 
     def remove(self) -> None:
-        """Throw the notes away; harmless if there are none."""
+        """Throw the notes away; harmless if there are none.
+
+        Raises:
+            JournalError: The folder cannot be written.
+        """
         self._known, self._next = [], 0
-        (self._folder / "start.json").unlink(missing_ok=True)
+        try:
+            (self._folder / "start.json").unlink(missing_ok=True)
+        except OSError as error:
+            raise JournalError(
+                f"the notes in {self._folder} cannot be thrown away: {error.strerror or error}"
+            ) from error
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _read(self) -> list[tuple[str, JsonValue]]:

@@ -82,6 +82,29 @@ class TerminalAsker:
             ) from error
 
 
+def ask_yes(question: str, read: Callable[[str], str] | None = None) -> bool:
+    """Ask a person at the terminal; Enter alone means yes.
+
+    Args:
+        question: What is asked.
+        read: Reads a line that follows a prompt; the terminal's unless given.
+
+    Raises:
+        ConsoleError: Nobody answers.
+    """
+    say(styled(question, "bold", sys.stderr))
+    while True:
+        try:
+            words = (read or _read_line)("  (yes | no) [yes]: ").strip().lower()
+        except EOFError as error:
+            raise ConsoleError(f"nobody answers: {question}") from error
+        if words in ("", "y", "yes"):
+            return True
+        if words in ("n", "no"):
+            return False
+        say(f"  yes or no is expected, not {words!r}", "yellow")
+
+
 def _read_line(prompt: str) -> str:
     # The prompt goes to stderr, so that stdout holds data alone.
     print(prompt, end="", file=sys.stderr, flush=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -50,6 +51,9 @@ def calibrate(
     resume: Annotated[
         bool, Parameter(negative="", help="Go on with the run that was interrupted.")
     ] = False,
+    anew: Annotated[
+        bool, Parameter(negative="", help="Throw the run that was interrupted away.")
+    ] = False,
     out: Annotated[
         Path | None, Parameter(help="Also write the record and its pictures into this folder.")
     ] = None,
@@ -58,7 +62,9 @@ def calibrate(
     """Measure something of the cell and keep it; without a name, list what can be measured.
 
     What is not answered by --set or a file is asked at the terminal; without one, defaults
-    are taken, and what has none is an error. Ctrl-C stops safely, and --resume goes on there.
+    are taken, and what has none is an error. Ctrl-C stops safely, and --resume goes on there;
+    after an interrupted run, a terminal asks whether to, and without one --resume or --anew
+    says so.
     Exit code 1 if the result is BAD: it is kept to be looked at, and not put in force.
 
     Args:
@@ -69,6 +75,7 @@ def calibrate(
         script: The script whose store it is; path, or the name of a shipped one.
         wires: How devices are reached.
         resume: Whether to go on with the run that was interrupted.
+        anew: Whether to throw that run away and begin again.
         out: Folder for a copy.
         as_json: Write JSON for programs.
     """
@@ -78,6 +85,8 @@ def calibrate(
 
     if not procedure:
         return _list_procedures(as_json=as_json)
+    if resume and anew:
+        raise ConsoleError("--resume goes on with the interrupted run, --anew drops it; give one")
     try:
         entry_of(procedure)
         given: dict[str, Given] = {} if answers is None else read_answers(answers)
@@ -89,13 +98,10 @@ def calibrate(
     journal = session.journal(procedure)
     if not sys.stdin.isatty():
         _refuse_gaps(start(procedure, session.site), asked)
+    if out is not None:
+        _make_folder(out)
     with session.run_alone(procedure):
-        if resume:
-            _go_on(journal)
-        else:
-            if journal.exists:
-                say("the interrupted run before is thrown away; --resume would go on with it")
-            journal.begin()
+        resume = _take_up(journal, procedure, resume=resume, anew=anew)
         try:
             fresh = start(procedure, session.site)
             record = session.play(fresh, asked, journal=journal, resume=resume)
@@ -105,10 +111,14 @@ def calibrate(
             raise
         for sentence in asked.unused():
             say(f"warning: {sentence}", "yellow")
-        code = _keep(record, session.archive, journal, out, as_json=as_json)
+        pictures = _pictures(record, journal)
+        code = _keep(record, pictures, session.archive, as_json=as_json)
+        journal.remove()
         if code == Exit.DONE:
             # Tells what does not hold any more beside it.
             with_calibrations(session.file_profile)
+        if out is not None:
+            _write_copy(record, pictures, out)
         return code
 
 
@@ -135,37 +145,53 @@ def _refuse_gaps(procedure: Procedure, asked: GivenAnswers) -> None:
         )
 
 
+def _take_up(journal: RunJournal, procedure: str, *, resume: bool, anew: bool) -> bool:
+    """Begin a run or go on with the interrupted one; return whether it goes on.
+
+    Raises:
+        ConsoleError: There is an interrupted run, and nobody said what is to become of it.
+    """
+    if journal.interrupted_at is not None and not (resume or anew):
+        when = f"{journal.interrupted_at.astimezone():%Y-%m-%d %H:%M}"
+        what = f"a run of {procedure} was interrupted at {when}, {journal.noted} answers are kept"
+        if not sys.stdin.isatty():
+            raise ConsoleError(f"{what}; --resume goes on with it, --anew throws it away")
+        from console.asking import ask_yes
+
+        resume = ask_yes(f"{what}. Go on with it? `no` throws it away.")
+    if resume:
+        _go_on(journal)
+    else:
+        journal.begin()
+    return resume
+
+
 def _go_on(journal: RunJournal) -> None:
     from calibration.errors import JournalError
 
     try:
         journal.go_on()
     except JournalError as error:
-        raise ConsoleError(str(error)) from error
+        raise ConsoleError(f"{error} (`--anew`)" if journal.noted else str(error)) from error
     say(f"going on after {journal.known} answers of the interrupted run")
 
 
+def _pictures(record: CalibrationRecord, journal: RunJournal) -> dict[str, bytes]:
+    return {
+        sample.picture: journal.png(sample.picture)
+        for sample in record.samples
+        if sample.picture and journal.has_png(sample.picture)
+    }
+
+
 def _keep(
-    record: CalibrationRecord,
-    archive: Archive,
-    journal: RunJournal,
-    out: Path | None,
-    *,
-    as_json: bool,
+    record: CalibrationRecord, pictures: dict[str, bytes], archive: Archive, *, as_json: bool
 ) -> int:
     """Keep a record, tell what came out, and return the exit code."""
     from calibration.verdict import Grade
     from console.calibration_views import put_record
 
-    pictures = {
-        sample.picture: journal.png(sample.picture)
-        for sample in record.samples
-        if sample.picture and journal.has_png(sample.picture)
-    }
     identity = archive.keep(record, pictures)
-    journal.remove()
-    if out is not None:
-        _write_copy(record, pictures, out)
     put_record(record, is_in_force=record.grade is not Grade.BAD, as_json=as_json)
     if record.grade is Grade.BAD:
         say(
@@ -178,12 +204,44 @@ def _keep(
     return Exit.DONE
 
 
+def _make_folder(folder: Path) -> None:
+    """Make a folder for a copy before anything is measured.
+
+    Raises:
+        ConsoleError: It cannot be made or written.
+    """
+    problem = ""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        problem = error.strerror or str(error)
+    if not problem and not os.access(folder, os.W_OK | os.X_OK):
+        problem = "it may not be written to"
+    if problem:
+        raise ConsoleError(
+            f"--out {folder}: {problem}; nothing was measured, name a folder that can be written",
+            Exit.ENVIRONMENT,
+        )
+
+
 def _write_copy(record: CalibrationRecord, pictures: dict[str, bytes], folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
+    """Write a kept record and its pictures into a folder.
+
+    Raises:
+        ConsoleError: It cannot be written.
+    """
     name = f"{record.kind}-{record.subject}-{record.identity[:8]}"
-    (folder / f"{name}.json").write_bytes(record.canonical() + b"\n")
-    for digest, png in pictures.items():
-        (folder / f"{digest[:12]}.png").write_bytes(png)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f"{name}.json").write_bytes(record.canonical() + b"\n")
+        for digest, png in pictures.items():
+            (folder / f"{digest[:12]}.png").write_bytes(png)
+    except OSError as error:
+        raise ConsoleError(
+            f"the copy cannot be written to {folder}: {error.strerror or error}; the calibration "
+            f"{record.identity[:8]} itself is kept (`cell calibration show {record.identity[:8]}`)",
+            Exit.ENVIRONMENT,
+        ) from error
     say(f"written to {folder}", "dim")
 
 
@@ -267,9 +325,16 @@ class CalibrationSession:
                     hands.bring_home()
             except Stopped as error:
                 again = "; --resume goes on here" if journal is not None else ""
+                still = (
+                    "; the arm stands still, the ledger knows where the blocks are"
+                    if isinstance(hands, CellHands) and hands.cell is not None
+                    else ""
+                )
+                if sys.stderr.isatty():
+                    # The terminal shows ^C on the line of a question or of progress.
+                    say("")
                 raise ConsoleError(
-                    f"stopped: {error}; the arm stands still, the ledger knows where the blocks "
-                    f"are{again}",
+                    f"stopped: {error}{still}{again}",
                     Exit.INTERRUPTED,
                 ) from error
             except (CalibrationError, ConsoleError):

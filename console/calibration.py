@@ -103,7 +103,15 @@ def show(
         from calibration.overview import overview_of
         from calibration.pictures import encode_png
 
-        picture.write_bytes(encode_png(overview_of(record, archive)))
+        png = encode_png(overview_of(record, archive))
+        try:
+            picture.write_bytes(png)
+        except OSError as error:
+            raise ConsoleError(
+                f"the picture cannot be written to {picture}: {error.strerror or error}; name a "
+                "file that can be",
+                Exit.ENVIRONMENT,
+            ) from error
         say(f"the samples are drawn in {picture}", "dim")
 
 

@@ -42,14 +42,17 @@ def check(
     compiled = compile_script(text, file_name)
     found = compiled.diagnostics
     if compiled.program is not None and not no_profile:
+        from calibration.checks import Checks
         from cell.profile import load_profile
         from console.calibrating import with_calibrations
+        from console.places import calibrations_folder
         from sessions.quality import shortcomings
         from sessions.site import ProfileSite
 
         known = with_calibrations(load_profile(profile))
         found += check_on_site(compiled.program, ProfileSite(known.profile, known.records))
-        for problem in shortcomings(known.profile, known.records):
+        checks = Checks(calibrations_folder(known.profile.name))
+        for problem in shortcomings(known.profile, known.records, checks=checks):
             say(f"warning: no task will begin: {problem}", "yellow")
     is_good = not any(one.severity == "error" for one in found)
     if as_json:

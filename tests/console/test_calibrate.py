@@ -205,6 +205,74 @@ def test_a_copy_can_be_written(cell: Cell, tmp_path: Path) -> None:
     assert json.loads(copied.read_text())["kind"] == "homography"
 
 
+@pytest.mark.parametrize("words", [("calibrate", "typed", "--set", "origin=700 -260", "--out"),
+                                   ("calibration", "show", "lattice", "--picture")])  # fmt: skip
+def test_a_place_that_cannot_be_written_is_named(
+    cell: Cell, tmp_path: Path, state: Path, words: tuple[str, ...]
+) -> None:
+    (tmp_path / "taken").write_text("a file")
+    target = "taken" if words[-1] == "--out" else "taken/over.png"
+    if words[-1] == "--picture":
+        words = ("calibration", "show", "homography", "--picture")
+        cell("calibrate", "laid")
+    said = cell(*words, target)
+    assert said.code == 3
+    assert target in said.err
+    assert "[Errno" not in said.err
+    if words[-1] == "--out":
+        assert "nothing was measured" in said.err
+        assert Archive(state / "calibrations").all() == ()
+
+
+def test_a_copy_that_fails_after_all_tells_that_the_calibration_is_kept(
+    cell: Cell, tmp_path: Path, state: Path
+) -> None:
+    from console.calibrate import _write_copy
+    from console.exits import ConsoleError
+
+    cell("calibrate", "typed", "--set", "origin=700 -260")
+    (tmp_path / "taken").write_text("a file")
+    (record,) = Archive(state / "calibrations").current()
+    with pytest.raises(ConsoleError, match=r"taken: .*itself is kept") as failed:
+        _write_copy(record, {}, tmp_path / "taken")
+    assert failed.value.exit == 3
+
+
+def test_notes_that_cannot_be_locked_are_named(cell: Cell, state: Path) -> None:
+    state.mkdir(parents=True)
+    (state / "calibration-runs").write_text("a file")
+    said = cell("calibrate", "typed", "--set", "origin=700 -260")
+    assert said.code == 3
+    assert "calibration-runs" in said.err
+    assert "nothing was begun" in said.err
+    assert "[Errno" not in said.err
+
+
+def test_an_interrupted_run_is_neither_dropped_nor_gone_on_with_unasked(
+    cell: Cell, tmp_path: Path, state: Path
+) -> None:
+    assert child(tmp_path, 2, "unmade", "calibrate", "laid") == -signal.SIGKILL
+    said = cell("calibrate", "laid")
+    assert said.code == 2
+    assert "a run of laid was interrupted at 20" in said.err
+    assert "--resume goes on with it, --anew throws it away" in said.err
+    assert cell("calibrate", "laid", "--resume", "--anew").code == 2
+    said = cell("calibrate", "laid", "--anew")
+    assert said.code == 0
+    assert "going on" not in said.err
+    assert Archive(state / "calibrations").all() != ()
+
+
+@pytest.mark.parametrize(("words", "goes_on"), [(("",), True), (("maybe", "no"), False)])
+def test_at_a_terminal_going_on_is_the_default(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], goes_on: bool
+) -> None:
+    from console.asking import ask_yes
+
+    assert ask_yes("Go on?", lines(*words)) is goes_on
+    assert ("yes or no is expected, not 'maybe'" in capsys.readouterr().err) is not goes_on
+
+
 def test_what_was_calibrated_before_is_named_as_what_it_stands_on(cell: Cell) -> None:
     cell("calibrate", "typed", "--set", "origin=700 -260")
     first = cell("calibrate", "laid", "--json").data()
