@@ -64,23 +64,25 @@ class Face:
             at_rim |= looked_at[row + down, column + right] == 0
         return int(at_rim.sum()) > 3
 
-    def stepped_share(self, small: Pixels) -> float:
+    def stepped_share(self, small: Pixels, looked_at: Pixels) -> float:
         """Return the share of its outline beyond which the colour is clearly another.
 
         A block ends in a step; a patch of a picture's water or leaves fades away.
 
         Args:
             small: The half-size picture it was grown in.
+            looked_at: Above 0 where blocks are looked for; nothing is known beyond.
         """
         places = np.rint((self.outline_px + 0.5) / PITCH_PX - 0.5).astype(np.int32)
         height, width = small.shape[:2]
         low = np.maximum(places.min(axis=0) - _BEYOND_PX, 0)
         high = np.minimum(places.max(axis=0) + _BEYOND_PX + 1, (width, height))
-        window = small[low[1] : high[1], low[0] : high[0]]
+        part = np.s_[low[1] : high[1], low[0] : high[0]]
+        window = small[part]
         mask = np.zeros(window.shape[:2], np.uint8)
         cv2.fillPoly(mask, [places - low], 1)
         inner, outer = (cv2.dilate(mask, np.ones((k, k), np.uint8)) for k in _RING_PX)
-        ring = window[outer > inner].astype(np.float64)
+        ring = window[(outer > inner) & (looked_at[part] > 0)].astype(np.float64)
         slack = _GROW_LEVELS + _GROW_SHARE * np.array(self.mean_rgb)
         off = (np.abs(ring - self.mean_rgb) / slack).max(axis=1)
         return float((off > _STEP_SLACKS).mean()) if len(off) else 0.0

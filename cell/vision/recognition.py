@@ -42,6 +42,7 @@ _LIT_SHARE = 0.15
 _LEAST_SCREEN_LEVEL = 60.0
 _LEAST_UNKNOWN_SHARE = 0.35
 _LEAST_STEPPED_SHARE = 0.7
+_LEAST_UNKNOWN_STEPPED_SHARE = 0.9
 _DARK_GROWTH = 1.12
 _DARK_WINDOW = np.ones((3, 3), np.uint8)
 
@@ -228,6 +229,7 @@ class _Look:
         self._area = visible_area(sight, hidden, (picture.shape[0] // 2, picture.shape[1] // 2))
         self._small = halved(picture)
         self._unknown: list[UnknownThing] = []
+        self._faces: list[Face] = []
 
     def result(self, white: Pixels | None) -> Recognition:
         """Return what is there."""
@@ -235,7 +237,9 @@ class _Look:
         starts, groups = self._starts(quarter)
         fitted = fit_faces(self._picture, starts)
         blocks, light = self._judged(fitted, groups)
-        if white is not None:
+        if white is None:
+            self._explain_faces(blocks, groups)
+        else:
             self._explain_dark(quarter, halved(halved(white)), blocks)
         return Recognition(
             blocks=tuple(sorted(blocks, key=lambda one: one.outline_px[:, 1].mean())),
@@ -258,6 +262,7 @@ class _Look:
         scale = self._mm_per_px()
         least = min(kind.area_mm2 for kind in self._sight.kinds) / (scale * PITCH_PX) ** 2
         found = list(faces(self._small, quarter, self._area.mask, self._model.colours, least))
+        self._faces = found
         if not found:
             return [], []
         middles = np.array([face.outline_px.mean(axis=0) for face in found])
@@ -300,7 +305,7 @@ class _Look:
             return single
         if single:
             return [max(refine(single), key=lambda pair: pair[1])[0]]
-        is_stepped = face.stepped_share(self._small) >= _LEAST_STEPPED_SHARE
+        is_stepped = face.stepped_share(self._small, self._area.mask) >= _LEAST_STEPPED_SHARE
         if is_stepped and may_be_blocks(outline, kinds):
             several = tile(outline, grown, kinds, refine)
             if several is not None:
@@ -308,7 +313,7 @@ class _Look:
                 if ordered is None:
                     self._report("flush blocks in a row whose order cannot be seen", face)
                 return ordered or []
-        if face.touches_edge(self._area.mask):
+        if is_stepped and face.touches_edge(self._area.mask):
             self._report("cut by the edge of the picture, the screen or what hides it", face)
         return []
 
@@ -401,6 +406,18 @@ class _Look:
         pixels = self._sight.view.to_picture(np.concatenate(corners), self._sight.top_mm)
         ends = np.cumsum([len(one) for one in corners])[:-1]
         return [np.asarray(part) for part in np.split(pixels, ends)]
+
+    def _explain_faces(self, blocks: Sequence[FoundBlock], groups: Sequence[int]) -> None:
+        """Report patches with outline, colour and clear edges of a block that are none found."""
+        known = [block.outline_px.astype(np.float32) for block in blocks]
+        known += [thing.outline_px.astype(np.float32) for thing in self._unknown]
+        for number in sorted(set(groups)) if len(groups) > len(blocks) else ():
+            face = self._faces[number]
+            middle = face.outline_px.mean(axis=0).tolist()
+            if any(cv2.pointPolygonTest(one, middle, False) >= 0 for one in known):
+                continue
+            if face.stepped_share(self._small, self._area.mask) >= _LEAST_UNKNOWN_STEPPED_SHARE:
+                self._report("looks like a block, but its edges are not one's", face)
 
     def _explain_dark(self, black: Pixels, white: Pixels, blocks: Sequence[FoundBlock]) -> None:
         """Report what hides the lit screen and is no block found; pictures of quarter size."""

@@ -217,3 +217,15 @@ def test_overlays_mark_what_was_seen_and_leave_the_picture_alone() -> None:
     assert tuple(arrows[100, 130]) == (255, 0, 160)
     assert draw_coverage((1280, 960), places).shape == picture.shape
     assert np.array_equal(picture, before)
+
+
+def test_a_block_that_is_hidden_in_part_is_reported_and_not_guessed_at() -> None:
+    stage = Stage().put(block("cube", "red", 500, 0), block("cube", "blue", 420, -200))
+    hidden = np.zeros((960, 1280), np.uint8)
+    u, v = SIGHT.view.to_picture(np.array([500.0, 0.0]), SIGHT.top_mm).round().astype(int)
+    hidden[v - 100 : v + 100, u + 4 : u + 200] = 255
+    seen = recognise(OnePicture(shown(stage, "black")), SIGHT, hidden=hidden)
+    assert [b.colour for b in seen.blocks] == ["blue"]
+    (thing,) = seen.unknown
+    assert "cut by" in thing.reason
+    assert (thing.x_mm, thing.y_mm) == pytest.approx((500, 0), abs=20)
