@@ -60,6 +60,28 @@ def ask_number(
     return float(answer)
 
 
+def ask_whole(
+    key: str, question: str, *, low: int, high: int, default: int | None = None
+) -> Steps[int]:
+    """Ask for a whole number from `low` to `high`."""
+    standard = None if default is None else float(default)
+    number = yield from ask_number(key, question, default=standard)
+    if not number.is_integer() or not low <= number <= high:
+        raise AnswerRefused(key, f"a whole number from {low} to {high} is expected, not {number:g}")
+    return int(number)
+
+
+def ask_within(
+    key: str, question: str, *, low: float, high: float, unit: str = "", default: float
+) -> Steps[float]:
+    """Ask for a number above `low` (not `low` itself) and up to `high`."""
+    number = yield from ask_number(key, question, unit=unit, default=default)
+    if not low < number <= high:
+        wanted = f"a number above {low:g} and up to {high:g} {unit}".rstrip()
+        raise AnswerRefused(key, f"{wanted} is expected, not {number:g}")
+    return number
+
+
 def ask_numbers(
     key: str,
     question: str,

@@ -11,7 +11,7 @@ from calibration.homography.knowledge import knowledge_of, playground_profile
 from calibration.homography.planning import fresh_places
 from calibration.homography.procedure import automatic_features
 from calibration.homography.sampling import Pair, Sampler, prepared
-from calibration.procedure import Procedure, ask_number, return_block
+from calibration.procedure import Procedure, ask_whole, ask_within, return_block
 from calibration.reach import TableReach
 from calibration.record import Accuracy, CalibrationRecord, Measurement, Sample
 from calibration.verdict import Finding, Grade
@@ -24,10 +24,10 @@ def check_homography(site: Site, record: CalibrationRecord) -> Procedure:
     profile = playground_profile(site)
     known = knowledge_of(site, record.subject)
     own = profile.store.calibration
-    limit_mm = yield from ask_number("quality", "Most that is good?", unit="mm", default=2.0)
-    count = int((yield from ask_number("fresh", "How many fresh points?", default=3)))
-    if count < 1:
-        raise CalibrationError("a check needs one fresh point or more")
+    limit_mm = yield from ask_within(
+        "quality", "Most that is good?", low=0.0, high=100.0, unit="mm", default=2.0
+    )
+    count = yield from ask_whole("fresh", "How many fresh points?", low=1, high=40, default=3)
     guid = record.details.get("guid")
     if guid != known.guid:
         return _another_camera(record, str(guid), known.guid)

@@ -37,9 +37,10 @@ from calibration.procedure import (
     Procedure,
     Steps,
     ask_choice,
-    ask_number,
     ask_numbers,
     ask_text,
+    ask_whole,
+    ask_within,
     ask_yes,
     capture,
     point_at,
@@ -60,6 +61,11 @@ _FOUND_PX = 0.2
 _UNLIT_PX = 0.5
 _CLICKED_PX = 1.0
 _BY_HAND_MM = 1.0
+_BY_ARM_MM = 0.3
+"""A block let go by parallel fingers is pushed by their play and by what sticks to them: a few
+tenths of a millimetre; `judge_noise` says so where the residuals tell more."""
+
+_MOST_MM, _MOST_NOISE = 100.0, 100.0
 _LEAST, _MOST = 4, 40
 
 
@@ -84,9 +90,10 @@ def calibrate_homography(site: Site) -> Procedure:
         ways,
         default=ways[0],
     )
-    quality_mm = yield from ask_number(
-        "quality", "Which held-out error is good enough?", unit="mm", default=1.0
-    )
+    quality_mm = yield from ask_within(
+        "quality", "Which held-out error is good enough?", low=0.0, high=_MOST_MM, unit="mm",
+        default=1.0,
+    )  # fmt: skip
     if way == "clicked":
         return (yield from _clicked(known, quality_mm))
     return (yield from _found(profile, known, quality_mm, by_arm=way == "arm"))
@@ -97,12 +104,15 @@ def _found(
 ) -> Procedure:
     """Calibrate with the object, which the camera finds."""
     findings = yield from automatic_features(known.camera)
-    most = int((yield from ask_number("points", "At most how many points?", default=4)))
-    fresh = int((yield from ask_number("fresh", "How many fresh points to test?", default=2)))
-    _check_counts(most, fresh)
+    most = yield from ask_whole(
+        "points", "At most how many points?", low=_LEAST, high=_MOST, default=4
+    )
+    fresh = yield from ask_whole(
+        "fresh", "How many fresh points to test?", low=0, high=_MOST, default=2
+    )
     noise = yield from _noise(
         _FOUND_PX if profile.display.enabled else _UNLIT_PX,
-        profile.twin.placement_scatter_mm if by_arm else _BY_HAND_MM,
+        _BY_ARM_MM if by_arm else _BY_HAND_MM,
     )
     own = profile.store.calibration
     sampler = Sampler(
@@ -178,8 +188,7 @@ def _take_fitted(
 
 def _clicked(known: CameraKnowledge, quality_mm: float) -> Procedure:
     """Calibrate with marks in one picture that a person points at."""
-    count = int((yield from ask_number("points", "How many marks?", default=4)))
-    _check_counts(count, 0)
+    count = yield from ask_whole("points", "How many marks?", low=_LEAST, high=_MOST, default=4)
     noise = yield from _noise(_CLICKED_PX, _BY_HAND_MM)
     path = yield from ask_text(
         "file", "Picture from a file (empty: take one with the camera)", default=""
@@ -225,16 +234,14 @@ def _typed(number: int, default: Place | None) -> Steps[Place]:
 
 
 def _noise(pixel_px: float, placement_mm: float) -> Steps[PairNoise]:
-    pixel = yield from ask_number(
-        "pixel_noise", "How exactly are points found (standard deviation)?", unit="px",
-        default=pixel_px,
+    pixel = yield from ask_within(
+        "pixel_noise", "How exactly are points found (standard deviation)?", low=0.0,
+        high=_MOST_NOISE, unit="px", default=pixel_px,
     )  # fmt: skip
-    placement = yield from ask_number(
-        "placement_noise", "How exactly is the object placed (standard deviation)?", unit="mm",
-        default=placement_mm,
+    placement = yield from ask_within(
+        "placement_noise", "How exactly is the object placed (standard deviation)?", low=0.0,
+        high=_MOST_NOISE, unit="mm", default=placement_mm,
     )  # fmt: skip
-    if pixel <= 0 or placement < 0:
-        raise CalibrationError("the noise of pixels must be above 0, that of places 0 or more")
     return PairNoise(pixel_px=pixel, placement_mm=placement)
 
 
@@ -276,11 +283,3 @@ def _of_pictures(pairs: Sequence[Pair]) -> tuple[Finding, ...]:
 
 def _why_not(profile: Profile, *, by_arm: bool) -> IsReached:
     return TableReach(profile).why_not_lay if by_arm else (lambda x, y: "")
-
-
-def _check_counts(points: int, fresh: int) -> None:
-    if not _LEAST <= points <= _MOST or not 0 <= fresh <= _MOST:
-        raise CalibrationError(
-            f"{points} points and {fresh} fresh ones: take {_LEAST} to {_MOST} points, and 0 to "
-            f"{_MOST} fresh ones"
-        )

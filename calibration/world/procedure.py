@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.catalogue import Site
-from calibration.errors import CalibrationError, FitFailed
+from calibration.errors import AnswerRefused, CalibrationError, FitFailed
 from calibration.homography.knowledge import fixed_cameras, knowledge_of, playground_profile
 from calibration.procedure import (
     Procedure,
@@ -17,6 +17,8 @@ from calibration.procedure import (
     ask_done,
     ask_number,
     ask_numbers,
+    ask_whole,
+    ask_within,
     ask_yes,
     capture,
     point_at,
@@ -44,6 +46,9 @@ KIND = "world"
 _CELLS = ((0.0, 0.0), (11.0, 0.0), (11.0, 11.0), (0.0, 11.0))
 _USUAL_MM = 5.0
 _MOST_POINTS = 50
+_LARGEST_WORLD = 1000
+_STEPS_MM = (1.0, 200.0)
+"""Below, the step is finer than blocks are laid; above, the playground holds no second one."""
 
 
 def calibrate_world(site: Site) -> Procedure:
@@ -55,15 +60,13 @@ def calibrate_world(site: Site) -> Procedure:
         ("touched", "seen", "typed"),
         default="touched",
     )
-    columns, rows = yield from ask_numbers(
-        "world", "How many lattice points across and up has the largest world?", count=2,
-        default=(12.0, 12.0),
-    )  # fmt: skip
+    columns, rows = yield from _world_size()
     cameras = fixed_cameras(profile)
     camera = cameras[0] if cameras else ""
     if way == "typed":
         lattice = yield from _typed(profile)
-        findings = judge_world(profile, lattice, int(columns), int(rows), camera)
+        implausible = _implausible_step(lattice.step_mm)
+        findings = implausible or judge_world(profile, lattice, columns, rows, camera)
         return _measurement(lattice, None, (), (), findings, "typed by a person")
     is_fixed = yield from ask_yes("fixed_step", "Is the step known?", default=True)
     step_mm = None
@@ -76,9 +79,7 @@ def calibrate_world(site: Site) -> Procedure:
     else:
         camera = yield from ask_choice("camera", "Which camera?", cameras, default=camera)
         cells, points = yield from _seen(site, camera)
-    return judged(
-        profile, cells, points, step_mm, size=(int(columns), int(rows)), camera=camera, way=way
-    )
+    return judged(profile, cells, points, step_mm, size=(columns, rows), camera=camera, way=way)
 
 
 def judged(
@@ -92,6 +93,8 @@ def judged(
     way: str,
 ) -> Measurement:
     """Return the calibration that lattice points with their robot places give."""
+    if step_mm is not None and (implausible := _implausible_step(step_mm)):
+        return _measurement(None, None, cells, points_mm, implausible, way)
     try:
         fit = fit_lattice(cells, points_mm, step_mm=step_mm)
     except FitFailed as error:
@@ -101,6 +104,29 @@ def judged(
     findings = [*_mistakes(cells, points_mm, fit, profile.lattice.step_mm)]
     findings += judge_world(profile, fit.lattice, *size, camera)
     return _measurement(fit.lattice, fit, cells, points_mm, findings, way, step_mm)
+
+
+def _world_size() -> Steps[tuple[int, int]]:
+    columns, rows = yield from ask_numbers(
+        "world", "How many lattice points across and up has the largest world?", count=2,
+        default=(12.0, 12.0),
+    )  # fmt: skip
+    for number in (columns, rows):
+        if not number.is_integer() or not 1 <= number <= _LARGEST_WORLD:
+            raise AnswerRefused(
+                "world", f"whole numbers from 1 to {_LARGEST_WORLD} are expected, not {number:g}"
+            )
+    return int(columns), int(rows)
+
+
+def _implausible_step(step_mm: float) -> tuple[Finding, ...]:
+    least, most = _STEPS_MM
+    if least <= step_mm <= most:
+        return ()
+    return (
+        _bad("implausible-step", f"a step of {step_mm:g} mm is none that blocks can be set by: "
+             f"{least:g} to {most:g} mm are", "give the step in millimetres"),
+    )  # fmt: skip
 
 
 def _mistakes(
@@ -210,10 +236,11 @@ def _seen(site: Site, camera: str) -> Steps[tuple[Points, Points]]:
 
 
 def _count() -> Steps[int]:
-    count = int((yield from ask_number("points", "How many lattice points?", default=4)))
-    if not 2 <= count <= _MOST_POINTS:
-        raise CalibrationError(f"{count} lattice points: take 2 to {_MOST_POINTS}")
-    return count
+    return (
+        yield from ask_whole(
+            "points", "How many lattice points?", low=2, high=_MOST_POINTS, default=4
+        )
+    )
 
 
 def _cell(number: int) -> Steps[tuple[float, float]]:
@@ -233,8 +260,8 @@ def _typed(profile: Profile) -> Steps[LatticeMap]:
     x_mm, y_mm = yield from ask_numbers(
         "origin", "Robot x, y of lattice (0, 0)?", count=2, unit="mm", default=own.origin_mm
     )
-    if step_mm <= 0:
-        raise CalibrationError(f"a step of {step_mm:g} mm is none")
+    if step_mm <= 0.0:
+        raise AnswerRefused("step", f"a length above 0 is expected, not {step_mm:g} mm")
     return LatticeMap(step_mm=step_mm, angle_deg=angle_deg, origin_x_mm=x_mm, origin_y_mm=y_mm)
 
 
@@ -328,7 +355,9 @@ def check_world(site: Site, record: CalibrationRecord) -> Procedure:
         step_mm=own.step_mm, angle_deg=own.angle_deg, origin_x_mm=own.origin_mm[0],
         origin_y_mm=own.origin_mm[1],
     )  # fmt: skip
-    limit_mm = yield from ask_number("quality", "Most that is good?", unit="mm", default=2.0)
+    limit_mm = yield from ask_within(
+        "quality", "Most that is good?", low=0.0, high=100.0, unit="mm", default=2.0
+    )
     cells, points = yield from _touched()
     off = np.hypot(*(mapped(lattice, cells) - points).T)
     findings = [*judge_world(profile, lattice, 12, 12, "")]

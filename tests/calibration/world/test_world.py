@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calibration.errors import FitFailed
+from calibration.errors import AnswerRefused, FitFailed
 from calibration.player import play
 from calibration.record import Measurement
 from calibration.requests import Answer, ReadTool, Request, ToolReading, Value
@@ -158,3 +158,17 @@ def test_a_lattice_over_the_screens_edge_is_told() -> None:
     shifted = mapped(lattice(origin_x_mm=760.0), CORNERS)
     found = judged(profile, CORNERS, shifted, 20.0, size=(12, 12), camera="top", way="touched")
     assert "off-screen" in codes(found)
+
+
+@pytest.mark.parametrize("step_mm", [1e-300, 0.99, 201.0])
+def test_a_step_that_no_block_can_be_set_by_is_refused(step_mm: float) -> None:
+    found = typed(step=step_mm)
+    assert codes(found) == ["implausible-step"]
+    assert found.grade.value == "BAD"
+    assert found.values == {}
+
+
+@pytest.mark.parametrize("size", [(-3.0, 4.0), (0.0, 0.0), (4.5, 4.0), (1e9, 4.0)])
+def test_a_world_of_no_lattice_points_is_refused(size: tuple[float, float]) -> None:
+    with pytest.raises(AnswerRefused, match="world: whole numbers from 1"):
+        typed(world=size)
