@@ -210,7 +210,7 @@ def has_moved(motion: Motion) -> bool:
 
 
 def judge(seen: Sequence[Motion | Blind], *, stated_mm: float | None = None) -> tuple[Finding, ...]:
-    """Return what cameras' dots say.
+    """Return what cameras' dots say. Where none can tell, that is BAD: nothing was learned.
 
     Args:
         seen: One for each camera.
@@ -220,7 +220,7 @@ def judge(seen: Sequence[Motion | Blind], *, stated_mm: float | None = None) -> 
     findings = [
         Finding(
             code="cannot-tell",
-            grade=Grade.DEGRADED,
+            grade=Grade.DEGRADED if motions else Grade.BAD,
             text=f"camera {one.camera} cannot tell whether it moved: {one.reason}",
             hint="clear the screen and check again"
             if "dots" in one.reason

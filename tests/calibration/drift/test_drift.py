@@ -144,3 +144,12 @@ def test_dots_never_seen_before_are_reckoned_from_lens_and_place() -> None:
     assert isinstance(motion, Motion)
     assert motion.rms_mm < 0.1
     assert not has_moved(motion)
+
+
+def test_a_check_in_which_no_camera_can_tell_is_bad_for_nothing_was_learned(
+    top: DotReference,
+) -> None:
+    blind = [Blind(camera=name, reason="only 3 of 40 dots are seen") for name in ("top", "oblique")]
+    assert worst(judge(blind)) is Grade.BAD
+    told = seen_by(top, PROFILE, 3)
+    assert worst(judge([told, blind[1]])) is Grade.DEGRADED
