@@ -14,7 +14,7 @@ from calibration.homography.finding import Expected
 from calibration.homography.noise import PairNoise
 from calibration.homography.place_fit import PlaceFit, fit_place
 from calibration.homography.plane_fit import PlaneFit, fit_plane
-from calibration.record import Support
+from calibration.record import CalibrationRecord, Support
 from cell.geometry import CameraView, LensModel, TableView
 from cell.profile import Profile
 
@@ -124,9 +124,7 @@ def knowledge_of(site: Site, camera: str) -> CameraKnowledge:
     is_another = bool(known.plane_map_guid) and known.plane_map_guid != known.guid
     path = f"cameras.{camera}.lens"
     record = setters(site.current).get(path)
-    covariance = None
-    if record is not None and isinstance(record.details.get("lens_covariance"), list):
-        covariance = np.array(record.details["lens_covariance"], np.float64)
+    covariance = None if record is None else _lens_covariance(record, camera)
     return CameraKnowledge(
         camera=camera,
         guid=known.guid,
@@ -144,6 +142,13 @@ def knowledge_of(site: Site, camera: str) -> CameraKnowledge:
             ),
         ),
     )
+
+
+def _lens_covariance(record: CalibrationRecord, camera: str) -> Matrix | None:
+    """Return what a record tells of its lens's covariance: of one camera, or by camera."""
+    told = record.details.get("lens_covariance")
+    rows = told.get(camera) if isinstance(told, dict) else told
+    return np.array(rows, np.float64) if isinstance(rows, list) else None
 
 
 def expected_of(

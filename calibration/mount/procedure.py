@@ -105,9 +105,8 @@ def ask_camera(profile: Profile) -> Steps[str]:
     if not names:
         raise CalibrationError(f"the cell {profile.name} has no cameras")
     hung = [name for name in names if profile.cameras[name].mount is not None]
-    drawn = [n for n in names if n in profile.twin.cameras
-             and profile.twin.cameras[n].mount == "flange"]  # fmt: skip
-    default = (hung or drawn or list(names))[0]
+    told = [name for name in names if profile.cameras[name].fixed_to == "arm"]
+    default = (hung or told or list(names))[0]
     return (
         yield from ask_choice("camera", "Which camera hangs on the flange?", names, default=default)
     )
@@ -144,7 +143,7 @@ def ask_guess(profile: Profile, camera: str, target: Target) -> Steps[MountState
     """Ask roughly where the camera hangs; it only decides where to look from."""
     known, drawn = profile.cameras[camera], profile.twin.cameras.get(camera)
     position, rotation, focal = (100.0, 0.0, 50.0), (-20.0, 0.0, 90.0), 1000.0
-    if drawn is not None and drawn.mount == "flange":
+    if drawn is not None and known.fixed_to == "arm":
         position, rotation, focal = drawn.position_mm, drawn.rotation_deg, drawn.focal_px
     if known.mount is not None:
         position, rotation = known.mount.position_mm, known.mount.rotation_deg

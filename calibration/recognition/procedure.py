@@ -9,7 +9,7 @@ from pydantic import JsonValue
 
 from calibration.catalogue import Site
 from calibration.errors import CalibrationError, FitFailed
-from calibration.procedure import Procedure, ask_choice, ask_number, ask_numbers
+from calibration.procedure import Procedure, ask_choice, ask_numbers, ask_whole
 from calibration.recognition import judge
 from calibration.recognition.fitting import (
     Tried,
@@ -38,6 +38,7 @@ from cell.vision.tables import COLOURS, KINDS
 KIND: Final = "recognition"
 _WAYS: Final = ("arm", "by-hand")
 _MOST_MEAN_DISTANCE = 2.5
+_MOST_ROUNDS = 20
 
 
 def learn_recognition(site: Site) -> Procedure:
@@ -51,8 +52,12 @@ def learn_recognition(site: Site) -> Procedure:
         default=tuple(float(slot.number) for slot in plan.slots),
     )
     slots = _chosen(plan, numbers)
-    rounds = yield from ask_number(
-        "rounds", "How often shall they be laid out, each time elsewhere?", default=2.0
+    rounds = yield from ask_whole(
+        "rounds",
+        "How often shall they be laid out, each time elsewhere?",
+        low=1,
+        high=_MOST_ROUNDS,
+        default=2,
     )
     moves = profile.manipulation.enabled and profile.arm.enabled and profile.gripper.enabled
     way = yield from ask_choice(
@@ -60,7 +65,7 @@ def learn_recognition(site: Site) -> Procedure:
     )
     table = table_of(profile, plan, camera)
     lay = look_with_arm if way == "arm" else look_by_hand
-    seen = yield from lay(table, slots, max(round(rounds), 1))
+    seen = yield from lay(table, slots, rounds)
     return _learned(camera, seen)
 
 

@@ -189,6 +189,19 @@ class ScreenFit:
         """Return where the screen lies."""
         return self.given.place(self.fit.parameters)
 
+    def lens_covariance(self, camera: str) -> Points:
+        """Return a lens's covariance (9, 9) in the order of `calibration.lens.fit.NAMES`.
+
+        Pixels are taken as square and p1, p2, k3 as 0: the first two rows are the same, those
+        of the last three zero.
+        """
+        # Rows of `camera_model.NAMES`: one focal length, centre u, centre v, k1, k2.
+        spread = np.zeros((9, 5))
+        spread[[0, 1, 2, 3, 4, 5], [0, 0, 1, 2, 3, 4]] = 1.0
+        chosen = [self.given.offset(camera) + k for k in range(5)]
+        own = self.fit.covariance[np.ix_(chosen, chosen)]
+        return np.asarray(spread @ own @ spread.T)
+
     def covariance_at(self, camera: str, points_mm: Points, above_glass_mm: float) -> Points:
         """Return the covariance (n, 2, 2) of robot x, y where a camera sees points (n, 2)."""
         height_mm = self.given.screen.height_mm + above_glass_mm

@@ -47,7 +47,14 @@ from calibration.screen.joint_fit import (
 from calibration.screen.patterns import AXES, RAMP, STEPS, Panel
 from calibration.screen.response import read_response
 from calibration.screen.result import KIND, METHOD, measurement
-from calibration.screen.tying import Ties, no_ties, tied_by_blocks, tied_by_touch, ways
+from calibration.screen.tying import (
+    Ties,
+    ask_block_count,
+    no_ties,
+    tied_by_blocks,
+    tied_by_touch,
+    ways,
+)
 from calibration.verdict import Finding, Grade, worst
 from cell.geometry import CameraView
 from cell.profile import Profile
@@ -96,6 +103,9 @@ def screen(site: Site) -> Procedure:
         ways(site),
         default=ways(site)[0],
     )
+    count = 0
+    if way == "blocks":
+        count = yield from ask_block_count()
     priors = yield from _known_of_lenses(cameras)
     findings: list[Finding] = []
     for camera in cameras:
@@ -108,7 +118,7 @@ def screen(site: Site) -> Procedure:
         return _failed(findings)
     lone = _alone(profile, seen, priors)
     if way == "blocks":
-        ties = yield from tied_by_blocks(site, profile, seen.panel, lone)
+        ties = yield from tied_by_blocks(site, profile, seen.panel, lone, count)
     elif way in ("touch", "type"):
         ties = yield from tied_by_touch(profile, seen.panel, is_typed=way == "type")
     else:

@@ -91,6 +91,10 @@ def measurement(
             "gamma": panel.gamma,
             "rms_px": {name: round(rms, 4) for name, rms in found.rms_px.items()},
             "dots": {one.camera: one.rows() for one in dots},
+            "lens_covariance": {
+                name: [[float(v) for v in row] for row in found.lens_covariance(name)]
+                for name in given.cameras
+            },
         },
         not_known=_ASSUMED,
     )

@@ -19,6 +19,7 @@ from calibration.procedure import (
     ask_done,
     ask_number,
     ask_numbers,
+    ask_whole,
     capture,
     put_block,
     read_tool,
@@ -38,6 +39,7 @@ Points = NDArray[np.float64]
 
 _BLOCKS: Final = 6
 _FEWEST: Final = 2
+_MOST_BLOCKS: Final = 9
 _STEEPEST_DEG: Final = 20.0
 """A camera that looks at the table flatter than this sees the sides of blocks."""
 
@@ -122,8 +124,21 @@ def tied_by_touch(profile: Profile, panel: Panel, *, is_typed: bool) -> Steps[Ti
     return Ties(touches=tuple(touches))
 
 
+def ask_block_count() -> Steps[int]:
+    """Ask at how many places the block shall be put."""
+    return (
+        yield from ask_whole(
+            "blocks",
+            "At how many places shall the block be put?",
+            low=_FEWEST,
+            high=_MOST_BLOCKS,
+            default=_BLOCKS,
+        )
+    )
+
+
 def tied_by_blocks(
-    site: Site, profile: Profile, panel: Panel, lone: Mapping[str, CameraView]
+    site: Site, profile: Profile, panel: Panel, lone: Mapping[str, CameraView], count: int
 ) -> Steps[Ties]:
     """Have the arm place the calibration object, and find it with the cameras above it.
 
@@ -132,6 +147,7 @@ def tied_by_blocks(
         profile: Its profile.
         panel: The grey values to light the screen with.
         lone: The cameras in the screen's frame.
+        count: At how many places the block is put.
 
     Raises:
         CalibrationError: There is no calibration object, or no camera looks down.
@@ -145,9 +161,6 @@ def tied_by_blocks(
             "no camera looks down steeply enough to see the top of a block; tie the screen by "
             "touched points"
         )
-    count = yield from ask_number(
-        "blocks", "At how many places shall the block be put?", default=float(_BLOCKS)
-    )
     deviation_mm = yield from ask_number(
         "placing deviation",
         "How exactly does a block that is let go come to lie, along each axis?",
@@ -158,7 +171,7 @@ def tied_by_blocks(
     blocks: list[PlacedBlock] = []
     findings: list[Finding] = []
     pictures: dict[str, str] = {}
-    for index, (x_mm, y_mm) in enumerate(_places(profile, int(count))):
+    for index, (x_mm, y_mm) in enumerate(_places(profile, count)):
         label = f"block {index + 1}"
         # Fingers centre a block across their gap only: turned every other time, it does not
         # creep along them from place to place.
@@ -201,8 +214,7 @@ def tied_by_blocks(
             Finding(
                 code="blocks-not-found",
                 grade=Grade.BAD,
-                text=f"{len(blocks)} of {int(count)} placed blocks were found, {_FEWEST} are "
-                "needed",
+                text=f"{len(blocks)} of {count} placed blocks were found, {_FEWEST} are needed",
                 hint="see whether the arm really brings the block, and the camera's picture",
             )
         )
@@ -211,8 +223,6 @@ def tied_by_blocks(
 
 def _places(profile: Profile, count: int) -> tuple[tuple[float, float], ...]:
     """Return corners of the playground first, then the middles between them and the centre."""
-    if not _FEWEST <= count <= 9:
-        raise CalibrationError(f"the block can be put at {_FEWEST} to 9 places, not at {count}")
     corner = corners(TableReach(profile).why_not_lay)
     ring = [*corner]
     for order in (1, 3, 0, 2):

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from calibration.catalogue import Site
 from calibration.errors import AnswerRefused
 from calibration.homography.procedure import calibrate_homography
 from calibration.requests import Value
+from calibration.screen.procedure import screen
 from cell.profile import load_profile
+from cell.store import StorePlan
 from tests.calibration.playing import played, site_of
 
 NOMINAL = load_profile("mash")
@@ -38,3 +41,11 @@ def test_what_the_twin_hides_is_not_the_default_of_a_question() -> None:
             defaults[key] = request
         request = asked.send(getattr(request, "default", ()))
     assert getattr(request, "default", None) == 0.3
+
+
+@pytest.mark.parametrize("value", [1.0, 2.5, 10.0])
+def test_a_number_of_places_that_cannot_be_is_refused_before_any_picture(value: float) -> None:
+    plan = StorePlan(())
+    site = Site(profile=NOMINAL, plan=plan, current=())
+    with pytest.raises(AnswerRefused, match="^blocks: a whole number from 2 to 9"):
+        played(screen(site), {"way": "blocks", "blocks": value})

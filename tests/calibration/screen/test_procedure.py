@@ -5,10 +5,12 @@ from __future__ import annotations
 from datetime import UTC, datetime
 
 import numpy as np
+import pytest
 
 from calibration.applying import calibrated_profile
 from calibration.catalogue import Site
 from calibration.drift.procedure import check_screen, drift
+from calibration.homography.knowledge import knowledge_of
 from calibration.playground import playground_grid
 from calibration.record import make_record
 from calibration.requests import Capture, Request
@@ -56,6 +58,13 @@ def test_a_cell_of_hidden_truth_is_calibrated_by_its_screen_and_checked_for_drif
         frames.clear()
         site = Site(profile=known, plan=StorePlan(()), current=(record,))
         still = played(drift(site), {}, cell, before=count)
+        covariance = knowledge_of(site, "top").lens_covariance
+        assert covariance is not None
+        deviations = np.sqrt(np.diag(covariance))
+        focal = next(p for p in found.parameters if p.name == "top focal")
+        assert deviations[:2] == pytest.approx([focal.deviation] * 2)
+        assert (deviations[2:6] > 0.0).all()
+        assert (deviations[6:] == 0.0).all()
         assert frames == ["top", "top"]  # two frames of 1/7.5 s
         assert "camera-or-screen-moved" not in codes(still)
         assert {f.code for f in still.findings} <= {"cannot-tell"}  # oblique has no calibration

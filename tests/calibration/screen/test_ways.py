@@ -127,7 +127,7 @@ def test_blocks_that_no_camera_finds_are_told() -> None:
     def only_blocks() -> Procedure:
         panel = Panel(width_px=1920, height_px=1080)
         alone = {"top": in_screen_frame(true_view(TRUTH))}
-        ties = yield from tied_by_blocks(SITE, PROFILE, panel, alone)
+        ties = yield from tied_by_blocks(SITE, PROFILE, panel, alone, 6)
         return Measurement(kind="screen", subject="cell", method="", findings=ties.findings)
 
     found = play(only_blocks(), hands=NothingThere(), asker=Answers({}), stop=StopToken())
