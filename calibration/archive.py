@@ -16,6 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from pydantic import ValidationError
 
@@ -25,7 +26,8 @@ from calibration.record import CalibrationRecord
 from calibration.verdict import Grade
 from cell.clock import Clock, SystemClock
 
-_SHORTEST_PREFIX = 4
+SHORTEST_PREFIX: Final = 4
+"""Fewest digits that name a calibration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,8 +161,8 @@ class Archive:
         Raises:
             ArchiveError: There is none, or several, or fewer than four digits were given.
         """
-        if len(prefix) < _SHORTEST_PREFIX:
-            raise ArchiveError(f"{prefix!r} is too short; give at least {_SHORTEST_PREFIX} digits")
+        if len(prefix) < SHORTEST_PREFIX:
+            raise ArchiveError(f"{prefix!r} is too short; give at least {SHORTEST_PREFIX} digits")
         found = [identity for identity in self.all() if identity.startswith(prefix.lower())]
         if len(found) != 1:
             what = "no calibration" if not found else f"{len(found)} calibrations"
@@ -176,7 +178,11 @@ class Archive:
         path = self._record_path(identity)
         try:
             record = CalibrationRecord.model_validate_json(path.read_bytes())
-        except (OSError, ValidationError) as error:
+        except FileNotFoundError as error:
+            raise ArchiveError(f"{path} is missing; undo it, or calibrate again") from error
+        except OSError as error:
+            raise ArchiveError(f"{path} cannot be read: {error.strerror or error}") from error
+        except ValidationError as error:
             raise ArchiveError(
                 f"{path} does not hold a calibration; undo it, or calibrate again"
             ) from error
@@ -227,6 +233,8 @@ class Archive:
         path = self._folder / "current.json"
         try:
             data = json.loads(path.read_bytes())
+            if not isinstance(data, list):
+                raise TypeError("a list is expected")
             return {
                 Slot(str(entry["kind"]), str(entry["subject"])): [str(i) for i in entry["records"]]
                 for entry in data

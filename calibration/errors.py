@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 
 class CalibrationError(Exception):
     """Base class of this package's errors; the text says what, where and what to do."""
@@ -33,3 +35,7 @@ class QualityNotMet(CalibrationError):
 
 class JournalError(CalibrationError):
     """The notes of a run cannot be read, written or gone on with."""
+
+
+RESULTS: Final = (FitFailed, ArchiveError, QualityNotMet, JournalError)
+"""What can go wrong although everything was asked for and answered rightly."""

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import struct
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
+from typing import Final
 
 import cv2
 import numpy as np
@@ -15,6 +21,9 @@ from calibration.requests import Picture
 from cell.devices.camera import CameraSettings, Frame
 
 Pixels = NDArray[np.uint8]
+
+_DECODING: Final = Lock()
+"""Two at once would leave stderr silent."""
 
 
 def digest_of(pixels: Pixels) -> str:
@@ -63,6 +72,30 @@ def encode_png(pixels: Pixels) -> bytes:
     return data.tobytes()
 
 
+@contextmanager
+def _quiet_decoders() -> Iterator[None]:
+    """Have the libraries below not write to stderr what is told with the file's name anyway.
+
+    They write to the file descriptor itself.
+    """
+    with _DECODING:
+        try:
+            before = os.dup(2)
+        except OSError:
+            # Nobody hears it: stderr is closed.
+            yield
+            return
+        sys.stderr.flush()
+        try:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, 2)
+            os.close(nowhere)
+            yield
+        finally:
+            os.dup2(before, 2)
+            os.close(before)
+
+
 def decode_png(data: bytes, name: str) -> Pixels:
     """Return the pixels (height, width, 3), R G B, of a picture file.
 
@@ -74,7 +107,8 @@ def decode_png(data: bytes, name: str) -> Pixels:
         CalibrationError: It is no picture.
     """
     buffer = np.frombuffer(data, np.uint8)
-    found = cv2.imdecode(buffer, cv2.IMREAD_COLOR) if len(buffer) else None
+    with _quiet_decoders():
+        found = cv2.imdecode(buffer, cv2.IMREAD_COLOR) if len(buffer) else None
     if found is None:
         raise CalibrationError(f"{name} is no picture that can be read")
     return np.asarray(cv2.cvtColor(found, cv2.COLOR_BGR2RGB), np.uint8)

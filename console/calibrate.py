@@ -300,8 +300,8 @@ class CalibrationSession:
             CalibrationError: It cannot come to an end; blocks are home again.
             CellError: A device fails; the ledger knows where the blocks are.
         """
-        from calibration.errors import CalibrationError
-        from calibration.hands import CellHands
+        from calibration.errors import RESULTS, CalibrationError
+        from calibration.hands import CellHands, FileHands
         from calibration.running import run
         from cell.errors import Stopped
         from cell.stop import StopToken
@@ -337,9 +337,17 @@ class CalibrationSession:
                     f"stopped: {error}{still}{again}",
                     Exit.INTERRUPTED,
                 ) from error
-            except (CalibrationError, ConsoleError):
+            except (CalibrationError, ConsoleError) as error:
                 if isinstance(hands, CellHands):
                     hands.bring_home()
+                is_untouched = isinstance(hands, FileHands) or hands.cell is None
+                if (
+                    isinstance(error, CalibrationError)
+                    and is_untouched
+                    and not isinstance(error, RESULTS)
+                ):
+                    # Nothing of the cell was used: it is about what was asked for or given.
+                    raise ConsoleError(str(error)) from error
                 raise
             finally:
                 if isinstance(hands, CellHands):

@@ -13,6 +13,9 @@ from console.options import AsJson, ProfileName, WiresOption
 from console.output import put, put_json, put_table, say
 
 if TYPE_CHECKING:
+    from collections.abc import Container
+
+    from calibration.applying import Misfit
     from calibration.archive import Archive, Slot
     from calibration.record import CalibrationRecord
     from cell.profile import CellProfile
@@ -37,35 +40,38 @@ def list_calibrations(*, profile: ProfileName = "mash", as_json: AsJson = False)
     archive = archive_of(loaded)
     records, problems = archive.readable()
     # Tells those that do not fit the profile.
-    known = with_calibrations(loaded).profile
+    found = with_calibrations(loaded)
+    known, left_out = found.profile, {one.record.identity: one.problem for one in found.misfits}
     last, at = last_check_of(loaded), now()
     words = {record.identity: grade_in(last, known, record) for record in records}
     day = "" if last is None else f" {last.at:%Y-%m-%d %H:%M}"
     if as_json:
         put_json([{**_in_list(record, archive, age_s=(at - record.measured_at).total_seconds()),
-                   "last_check": words[record.identity] or None}
+                   "last_check": words[record.identity] or None,
+                   "left_out": left_out.get(record.identity)}
                   for record in records])  # fmt: skip
         return
     if not records:
         if not problems:
             say(_NONE.format(loaded.name))
         return
-    in_force = {record.identity for record in records}
     rows = [
         (
             record.kind,
             record.subject,
-            record.grade.value,
+            "left out" if record.identity in left_out else record.grade.value,
             stated_accuracy(record),
             age_of(record, at),
             words[record.identity] + day if words[record.identity] else "-",
-            " ".join(one[:8] + ("" if one in in_force else " (replaced)")
-                     for one in record.based_on) or "-",
+            " ".join(one[:8] + _base_word(archive, one, left_out) for one in record.based_on)
+            or "-",
             record.identity[:8],
         )
         for record in records
     ]  # fmt: skip
     put_table(("kind", "subject", "grade", "accuracy", "age", "last check", "based on", "id"), rows)
+    for misfit in found.misfits:
+        put(_left_out_words(misfit))
 
 
 @app.command
@@ -162,8 +168,14 @@ def check(
     ]
     wanted = [record for record in in_force if kind or has_check(record)]
     if not wanted:
-        say(_nothing_to_check(session.file_profile.name, kind, in_force))
-        return Exit.USAGE if kind else Exit.DONE
+        left_out = [
+            _left_out_words(one)
+            for one in session.known.misfits
+            if kind in ("", one.record.kind) and subject in ("", one.record.subject)
+        ]
+        cell_name = session.file_profile.name
+        say("\n".join(left_out) or _nothing_to_check(cell_name, kind, in_force))
+        return Exit.FAILED if left_out else Exit.USAGE if kind else Exit.DONE
     told, grades = [], []
     for record in wanted:
         found = session.play(start_check(record, session.site), asked, journal=None)
@@ -204,6 +216,11 @@ def diff(
     loaded = _load(profile)
     archive = archive_of(loaded)
     one, other = _find(archive, first, ""), _find(archive, second, "")
+    if one.kind != other.kind:
+        raise ConsoleError(
+            f"{first} is a {one.kind} and {second} a {other.kind}, which have nothing to compare; "
+            "give two of one kind"
+        )
     playground = loaded if isinstance(loaded, Profile) else None
     put_difference(one, other, difference(one, other, playground), as_json=as_json)
 
@@ -241,6 +258,28 @@ def undo(
         put(f"undone {undone[:8]}; in force is {now_in_force[:8]}")
 
 
+def _left_out_words(misfit: Misfit) -> str:
+    record = misfit.record
+    return f"{record.kind} of {record.subject} is left out ({misfit.problem})"
+
+
+def _base_word(archive: Archive, identity: str, left_out: Container[str]) -> str:
+    """Return what has become of a calibration that another one was based on."""
+    from calibration.errors import ArchiveError
+
+    if identity not in archive.all():
+        return " (missing)"
+    try:
+        history = archive.history(_slot(archive.read(identity)))
+    except ArchiveError:
+        return " (damaged)"
+    if identity not in history:
+        return " (undone)"
+    if identity != history[-1]:
+        return " (replaced)"
+    return " (left out)" if identity in left_out else ""
+
+
 def _load(profile: str) -> CellProfile:
     from cell.profile import load_cell_profile
 
@@ -259,6 +298,7 @@ def _find(archive: Archive, name: str, subject: str) -> CalibrationRecord:
     Raises:
         ConsoleError: There is none, or there are several.
     """
+    from calibration.archive import SHORTEST_PREFIX
     from calibration.errors import ArchiveError
 
     slots = [s for s in archive.slots() if s.kind == name and subject in ("", s.subject)]
@@ -272,6 +312,8 @@ def _find(archive: Archive, name: str, subject: str) -> CalibrationRecord:
     if subject or not all(c in "0123456789abcdefABCDEF" for c in name):
         what = f"{name} of {subject}" if subject else name
         raise ConsoleError(f"no calibration {what} is in force; {_in_force_words(archive)}")
+    if len(name) < SHORTEST_PREFIX:
+        raise ConsoleError(f"{name} is too short for an id; give at least {SHORTEST_PREFIX} digits")
     if not any(one.startswith(name.lower()) for one in archive.all()):
         raise ConsoleError(f"no calibration begins with {name}; {_in_force_words(archive)}")
     try:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from console.calibrating import age_of, now, stated_accuracy
 from console.output import Style, put, put_json, put_table, styled
@@ -18,6 +19,17 @@ if TYPE_CHECKING:
     from calibration.verdict import Grade
 
 _WIDEST_VALUE = 100
+_SAMPLES: Final = {
+    "eye-in-hand": "samples (given: joints in deg; measured: px, of lines deg)",
+    "homography": "samples (given: robot x, y in mm; measured: px; residual: mm)",
+    "lens": "samples (measured: corners, and px RMS left out; residual: px RMS)",
+    "mount": "samples (given: mm and deg of the hand; measured: corners; residual: px RMS)",
+    "recognition": "samples (given: px; measured: mean R, G, B, area in px, circularity)",
+    "servo-maps": "samples (given: joints in deg; measured: mm and deg of the hand; residual: mm)",
+    "store-place": "samples (given: mm on the sheet; measured: robot mm; residual: mm)",
+    "world": "samples (given: column, row; measured: robot x, y in mm; residual: mm)",
+}
+"""What the figures of a kind's samples are."""
 
 
 def grade_style(grade: Grade) -> Style:
@@ -47,7 +59,7 @@ def put_whole(record: CalibrationRecord, *, is_in_force: bool, as_json: bool) ->
         put(styled(heading, "bold"))
         put_table(rows[0], rows[1:])
     for heading, lines in (
-        ("samples", _samples(record)),
+        (_SAMPLES.get(record.kind, "samples"), _samples(record)),
         ("parameters", _parameters(record)),
         ("hang together", [
             f"{c.first} and {c.second}: {c.value:+.2f}" for c in record.correlations
@@ -149,24 +161,25 @@ def put_difference(
 def verdict_lines(measured: Measurement) -> list[str]:
     """Return grade, figures, findings and what is not known, a line each."""
     accuracy = measured.accuracy
-    unit = accuracy.unit
+    # A share, such as `% wrong`, is no root mean square.
+    unit = accuracy.unit if accuracy.unit.startswith("%") else f"{accuracy.unit} RMS"
     lines = [styled(f"{measured.grade}", grade_style(measured.grade)) + f"  {measured.method}"]
     if accuracy.held_out_rms is not None:
         worst = "" if accuracy.held_out_max is None else f", {accuracy.held_out_max:.3g} at most"
         how = f" ({accuracy.held_out_count} points: {accuracy.how})" if accuracy.how else ""
-        lines.append(f"  held out   {accuracy.held_out_rms:.3g} {unit} RMS{worst}{how}")
+        lines.append(f"  held out   {accuracy.held_out_rms:.3g} {unit}{worst}{how}")
     if accuracy.predicted_rms is not None:
         worst = (
             ""
             if accuracy.predicted_max is None
             else f", {accuracy.predicted_max:.3g} at the worst place (95 %)"
         )
-        lines.append(f"  predicted  {accuracy.predicted_rms:.3g} {unit} RMS{worst}")
+        lines.append(f"  predicted  {accuracy.predicted_rms:.3g} {unit}{worst}")
     if accuracy.map_rms is not None:
         upper = "" if accuracy.map_upper is None else f", below {accuracy.map_upper:.3g} with 95 %"
-        lines.append(f"  the map's  {accuracy.map_rms:.3g} {unit} RMS without scatter{upper}")
+        lines.append(f"  the map's  {accuracy.map_rms:.3g} {unit} without scatter{upper}")
     if accuracy.fit_rms is not None:
-        lines.append(f"  fitted on  {accuracy.fit_rms:.3g} {unit} RMS, which says little alone")
+        lines.append(f"  fitted on  {accuracy.fit_rms:.3g} {unit}, which says little alone")
     if accuracy.stated is None:
         lines.append("  accuracy   not known")
     if measured.region.text:
@@ -226,12 +239,13 @@ def _samples(record: CalibrationRecord) -> list[str]:
 
 
 def _parameters(record: CalibrationRecord) -> list[str]:
-    return [
-        f"{p.name} = {p.value:.6g}"
-        + ("" if p.deviation is None else f" ± {p.deviation:.2g}")
-        + (f" {p.unit}" if p.unit else "")
-        for p in record.parameters
-    ]
+    lines = []
+    for p in record.parameters:
+        # People read angles in degrees.
+        factor, unit = (math.degrees(1.0), "deg") if p.unit == "rad" else (1.0, p.unit)
+        deviation = "" if p.deviation is None else f" ± {p.deviation * factor:.2g}"
+        lines.append(f"{p.name} = {p.value * factor:.6g}{deviation}" + (f" {unit}" if unit else ""))
+    return lines
 
 
 def _numbers(values: tuple[float, ...]) -> str:
@@ -239,8 +253,19 @@ def _numbers(values: tuple[float, ...]) -> str:
 
 
 def _short(value: object) -> str:
-    text = str(value)
+    text = str(_rounded(value))
     return text if len(text) <= _WIDEST_VALUE else text[: _WIDEST_VALUE - 1] + "…"
+
+
+def _rounded(value: object) -> object:
+    """Return a value with its figures to six digits."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    if isinstance(value, list | tuple):
+        return [_rounded(one) for one in value]
+    if isinstance(value, dict):
+        return {name: _rounded(one) for name, one in value.items()}
+    return value
 
 
 def _head(record: CalibrationRecord) -> dict[str, object]:

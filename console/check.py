@@ -43,6 +43,7 @@ def check(
     found = compiled.diagnostics
     if compiled.program is not None and not no_profile:
         from calibration.checks import Checks
+        from calibration.demands import unusable_demands
         from cell.profile import load_profile
         from console.calibrating import with_calibrations
         from console.places import calibrations_folder
@@ -52,6 +53,8 @@ def check(
         known = with_calibrations(load_profile(profile))
         found += check_on_site(compiled.program, ProfileSite(known.profile, known.records))
         checks = Checks(calibrations_folder(known.profile.name))
+        for kind, problem in unusable_demands(known.profile.demands).items():
+            say(f"warning: [demands] {kind}: {problem}", "yellow")
         for problem in shortcomings(known.profile, known.records, checks=checks):
             say(f"warning: no task will begin: {problem}", "yellow")
     is_good = not any(one.severity == "error" for one in found)

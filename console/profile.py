@@ -87,7 +87,7 @@ def check(
     """
     from cell.profile.findings import render_findings
 
-    checked = _checked(name)
+    checked = _with_demands(_checked(name))
     source = checked.source
     defaults = _defaults_taken(checked)
     is_good = checked.profile is not None and not (strict and checked.findings)
@@ -210,6 +210,27 @@ def _checked(name: str) -> CheckedProfile:
     from cell.profile.sources import find_profile
 
     return check_profile(find_profile(name))
+
+
+def _with_demands(checked: CheckedProfile) -> CheckedProfile:
+    """Return a checked profile with warnings for demands that no calibration can ever meet."""
+    from dataclasses import replace
+
+    from calibration.demands import unusable_demands
+    from cell.profile.findings import Finding
+    from cell.profile.toml_places import Place
+
+    if checked.profile is None:
+        return checked
+    places, found = checked.places, list(checked.findings)
+    for kind, problem in unusable_demands(checked.profile.demands).items():
+        path = ("demands", kind)
+        place = places.keys.get(path) or places.enclosing(path) or Place(0, 1, 1, 1)
+        found.append(
+            Finding(severity="warning", field=f"demands.{kind}", place=place, message=problem)
+        )
+    found.sort(key=lambda one: (one.place.start, one.severity, one.field))
+    return replace(checked, findings=tuple(found))
 
 
 def _place_for(name: str, out: str | None) -> Path:

@@ -178,6 +178,7 @@ def _host(
 def _tell_calibrations(known: Calibrated[Profile]) -> None:
     """Tell which calibrations are in force, whether they hold, and what is demanded and missing."""
     from calibration.checks import Checks
+    from calibration.demands import unusable_demands
     from calibration.verdict import Grade
     from console.calibrating import in_a_line, now
     from sessions.quality import shortcomings
@@ -186,6 +187,8 @@ def _tell_calibrations(known: Calibrated[Profile]) -> None:
     for record in known.records:
         say(in_a_line(record, at), "dim" if record.grade is Grade.OK else "yellow")
     tell_last_check(known.profile)
+    for kind, problem in unusable_demands(known.profile.demands).items():
+        say(f"warning: [demands] {kind}: {problem}", "yellow")
     checks = Checks(calibrations_folder(known.profile.name))
     for problem in shortcomings(known.profile, known.records, checks=checks):
         say(f"warning: no task will begin: {problem}", "yellow")

@@ -42,7 +42,7 @@ def eye_in_hand(site: Site) -> Procedure:
     if not isinstance(arm, Ibm7545Profile):
         raise CalibrationError(
             f"the arm of {site.profile.name} is a {arm.model}; an eye in hand is calibrated on "
-            "an ibm-7545, whose second link carries the camera"
+            "an ibm-7545, whose second link carries the camera (such as `--profile avrs`)"
         )
     eye = (arm.eye_in_hand or EyeInHandProfile()).value(arm.link_mm)
     (low_1, low_2, _, _), (high_1, high_2, _, _) = arm.joint_min, arm.joint_max

@@ -81,7 +81,7 @@ def _arm(site: Site) -> LynxArm:
     if not isinstance(profile, LynxProfile):
         raise CalibrationError(
             f"the arm of {site.profile.name} is a {profile.model}; servo maps are measured on a "
-            "lynx-al5d, whose hobby servos do not tell where they are"
+            "lynx-al5d, whose hobby servos do not tell where they are (such as `--profile lynx`)"
         )
     return LynxArm.from_profile(profile)
 

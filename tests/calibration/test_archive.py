@@ -210,10 +210,6 @@ def test_a_damaged_list_of_what_is_in_force_is_told_and_never_overwritten(
     archive = Archive(tmp_path)
     archive.keep(a_record(), {})
     (tmp_path / "current.json").write_text(damage)
-    if damage == "{}":
-        # A table of nothing is no list, but says the same: nothing is in force.
-        assert archive.current() == ()
-        return
     with pytest.raises(ArchiveError, match="move it away"):
         archive.keep(a_record(held_out_mm=0.1), {})
     assert (tmp_path / "current.json").read_text() == damage
@@ -275,3 +271,8 @@ def test_two_programs_that_keep_at_once_lose_nothing(tmp_path: Path) -> None:
 def test_too_short_a_name_is_refused(tmp_path: Path, prefix: str) -> None:
     with pytest.raises(ArchiveError, match="too short"):
         Archive(tmp_path).find(prefix)
+
+
+def test_a_record_whose_file_is_gone_is_missing_not_damaged(tmp_path: Path) -> None:
+    with pytest.raises(ArchiveError, match="is missing; undo it, or calibrate again"):
+        Archive(tmp_path).read("ab" * 32)

@@ -273,6 +273,79 @@ def test_at_a_terminal_going_on_is_the_default(
     assert ("yes or no is expected, not 'maybe'" in capsys.readouterr().err) is not goes_on
 
 
+def test_what_is_based_on_another_tells_what_became_of_that(cell: Cell, state: Path) -> None:
+    from calibration.record import CalibrationRecord
+    from console.calibration import _base_word
+
+    words = ("calibrate", "typed", "--set", "origin=700 -260")
+    first = str(cell(*words, "--json").data()["identity"])
+    archive = Archive(state / "calibrations")
+    assert _base_word(archive, first, {}) == ""
+    assert _base_word(archive, first, {first}) == " (left out)"
+    second = str(cell(*words, "--set", "error=0.4", "--json").data()["identity"])
+    assert _base_word(archive, first, {}) == " (replaced)"
+    cell("calibration", "undo", "lattice", "cell")
+    assert _base_word(archive, second, {}) == " (undone)"
+    path = state / "calibrations" / "records" / f"{second}.json"
+    path.write_text("{}")
+    assert _base_word(archive, second, {}) == " (damaged)"
+    path.unlink()
+    assert _base_word(archive, second, {}) == " (missing)"
+    # What stands on a base that is not in force is listed as left out, and named by a check.
+    read = CalibrationRecord.model_validate_json(
+        (state / "calibrations" / "records" / f"{first}.json").read_bytes()
+    )
+    support = {"path": "cameras.top.lens", "value": {"f": 1}, "record": "ab" * 32}
+    stands = CalibrationRecord.model_validate({**read.model_dump(), "stands_on": [support]})
+    archive.keep(stands, {})
+    listed = cell("calibration", "list")
+    assert "left out" in listed.out.splitlines()[1]
+    assert "made with the lens abababab of top, which is not in force" in listed.out
+    checked = cell("calibration", "check")
+    assert checked.code == 1
+    assert "lattice of cell is left out (it was made with" in checked.err
+    assert "no calibration of the cell" not in checked.err
+
+
+def test_two_kinds_are_not_compared(cell: Cell) -> None:
+    first = str(cell("calibrate", "typed", "--set", "origin=700 -260", "--json").data()["identity"])
+    second = str(cell("calibrate", "laid", "--json").data()["identity"])
+    said = cell("calibration", "diff", first[:8], second[:8])
+    assert said.code == 2
+    assert f"{first[:8]} is a lattice and {second[:8]} a homography" in said.err
+    short = cell("calibration", "show", first[0])
+    assert short.code == 2
+
+
+def test_a_missing_picture_is_a_wrong_usage(cell: Cell) -> None:
+    said = cell("calibrate", "filed")
+    assert said.code == 2
+    assert "board.png cannot be read" in said.err
+
+
+def test_demands_that_nothing_can_meet_are_told(
+    cell: Cell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from cell.profile import profile_text
+
+    monkeypatch.undo()
+    for kind in ("STATE", "DATA", "CONFIG"):
+        monkeypatch.setenv(f"XDG_{kind}_HOME", str(tmp_path / kind.lower()))
+    demands = "[demands]\nhomografy = 1.0\nrecognition = 1.0\nworld = 1.0\n"
+    text = f"{profile_text('mash')}\n{demands}"
+    (tmp_path / "mine.toml").write_text(text)
+    mine = str(tmp_path / "mine.toml")
+    said = cell("check", "mash", "--profile", mine)
+    assert "[demands] homografy: there is no such calibration; did you mean homography" in said.err
+    assert "[demands] recognition: its accuracy is never in mm" in said.err
+    assert "no world is known: none is kept; calibrate it: `cell calibrate world`" in said.err
+    checked = cell("profile", "check", mine)
+    assert checked.code == 0
+    assert "did you mean homography?" in checked.out
+    assert cell("profile", "check", mine, "--strict").code == 1
+    assert len(json.loads(cell("profile", "check", mine, "--json").out)["findings"]) >= 2
+
+
 def test_what_was_calibrated_before_is_named_as_what_it_stands_on(cell: Cell) -> None:
     cell("calibrate", "typed", "--set", "origin=700 -260")
     first = cell("calibrate", "laid", "--json").data()
@@ -446,3 +519,21 @@ def test_when_nobody_answers_any_more_the_run_can_go_on_later(tmp_path: Path) ->
 
     with pytest.raises(ConsoleError, match=r"width: nobody answers any more; .*--resume"):
         TerminalAsker(tmp_path, lines()).answer(Ask(key="width", question="?", kind="number"))
+
+
+def test_figures_are_told_in_units_that_people_read() -> None:
+    from calibration.record import Accuracy, Parameter, Sample
+    from console.calibration_views import _parameters, _short, verdict_lines
+    from tests.calibration.records import a_record
+
+    share = Accuracy(held_out_rms=0.0, held_out_count=9, how="fresh", unit="% wrong")
+    record = a_record().model_copy(
+        update={
+            "accuracy": share,
+            "samples": (Sample(label="one"),),
+            "parameters": (Parameter(name="angle", value=0.5, unit="rad", deviation=0.01),),
+        }
+    )
+    assert "  held out   0 % wrong (9 points: fresh)" in verdict_lines(record)
+    assert _parameters(record) == ["angle = 28.6479 ± 0.57 deg"]
+    assert _short([[1.23456789, 2.0], {"x": 1e-9 / 3}]) == "[[1.23457, 2.0], {'x': 3.33333e-10}]"
