@@ -1,8 +1,8 @@
 """A picture of a record's samples for people, by its kind.
 
 Where each sample was found and how far the fit is off; for a lens, where in the picture
-corners were seen; for a camera's settings, how its picture was and is; for recognition,
-where each block lay.
+corners were seen and how far it misses them; for a camera's settings, how its picture was
+and is; for recognition, where each block lay.
 """
 
 from __future__ import annotations
@@ -15,13 +15,16 @@ from typing import Final
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import JsonValue
 
 from calibration.archive import Archive
 from calibration.camera_settings.pictures import before_and_after
-from calibration.errors import ArchiveError, CalibrationError
+from calibration.errors import ArchiveError, CalibrationError, FitFailed
+from calibration.lens.fit import BoardView, pose_of
 from calibration.pictures import Pixels, decode_png
 from calibration.record import CalibrationRecord, Sample
-from cell.vision.boards import Board, find_board
+from cell.profile import LensProfile
+from cell.vision.boards import Board, BoardCorners, find_board
 from cell.vision.overlay import draw_coverage, draw_residuals
 
 Points = NDArray[np.float64]
@@ -54,8 +57,8 @@ def overview_of(record: CalibrationRecord, archive: Archive) -> Pixels:
 def _coverage(record: CalibrationRecord, archive: Archive) -> Pixels:
     """Return where corners were seen, looked for once more in the kept pictures."""
     board = _board_of(record)
-    corners = []
-    size = _SIZE_PX
+    corners, seen, misses = [], [], []
+    size, lens = _SIZE_PX, record.values.get(f"cameras.{record.subject}.lens")
     for sample in record.samples:
         if not (sample.is_used and sample.picture):
             continue
@@ -64,11 +67,34 @@ def _coverage(record: CalibrationRecord, archive: Archive) -> Pixels:
         found = find_board(pixels, board)
         if found is not None:
             corners.append(found.pixels)
+            off = None if lens is None else _lens_misses(board, found, lens, size[0])
+            if off is not None:
+                seen.append(found.pixels)
+                misses.append(off)
     if not corners:
         raise _nothing_to_draw(record)
     places = np.concatenate(corners)
     text = f"{len(places)} corners in {len(corners)} views; dark: not covered"
-    return _titled(draw_coverage(size, places), record, text)
+    canvas = draw_coverage(size, places)
+    if misses:
+        off = np.concatenate(misses)
+        factor = _factor(off)
+        canvas = draw_residuals(canvas, np.concatenate(seen), off, enlarge=factor)
+        text += f"; residuals x {factor}"
+    else:
+        text += "; no lens came of it"
+    return _titled(canvas, record, text)
+
+
+def _lens_misses(
+    board: Board, found: BoardCorners, lens: JsonValue, width_px: int
+) -> Points | None:
+    """Return by how much in px (n, 2) a lens misses the corners of a view, None if undetermined."""
+    model = LensProfile.model_validate(lens).model().resized(width_px)
+    try:
+        return pose_of(board, BoardView(label="", ids=found.ids, pixels=found.pixels), model)[1]
+    except FitFailed:
+        return None
 
 
 def _board_of(record: CalibrationRecord) -> Board:

@@ -85,7 +85,13 @@ def test_a_lens_shows_where_corners_were_seen(tmp_path: Path) -> None:
     board: dict[str, JsonValue] = {
         "kind": "chessboard", "columns": 8, "rows": 6, "square_mm": 25.0,
     }  # fmt: skip
-    picture = overview_of(*kept(tmp_path, "lens", samples, views, {"board": board}))
+    record, archive = kept(tmp_path, "lens", samples, views, {"board": board})
+    picture = overview_of(record.model_copy(update={"values": {}}), archive)
+    assert len(pink(picture)) == 0
+    # A lens that bends lines misses what lies straight before it.
+    lens: JsonValue = {"focal_px": [1200.0, 1200.0], "centre_px": [639.5, 479.5], "k1": -0.3}
+    bent = record.model_copy(update={"values": {f"cameras.{record.subject}.lens": lens}})
+    assert len(pink(overview_of(bent, archive))) > 200
     assert picture.shape == (994, 1280, 3)
     upper, lower = picture[34:514], picture[514:]
     assert np.ptp(upper[:, :640].astype(int)) > 150
