@@ -25,6 +25,7 @@ class TerminalAsker:
     def __init__(self, folder: Path, read: Callable[[str], str] | None = None) -> None:
         self._folder = folder
         self._read = read or _read_line
+        self._is_first = True
 
     def answer(self, ask: Ask) -> Answer:
         """Ask until the answer is one.
@@ -35,6 +36,7 @@ class TerminalAsker:
         from calibration.answers import parse_words
         from calibration.errors import AnswerRefused
 
+        self._tell_keys()
         say(_question(ask))
         while True:
             words = self._words(ask.key, _prompt(ask))
@@ -60,6 +62,7 @@ class TerminalAsker:
 
         path = self._folder / f"point-{point.key.replace('/', '-')}.png"
         replace(path, encode_png(point.picture.pixels))
+        self._tell_keys()
         say(styled(point.question, "bold", sys.stderr))
         say(f"  look at {path}; columns u to the right, rows v down, in px from the upper left")
         guess = point.guess_px
@@ -72,6 +75,13 @@ class TerminalAsker:
                 return parse_point(point, words)
             except AnswerRefused as refused:
                 say(f"  {refused}", "yellow")
+
+    def _tell_keys(self) -> None:
+        """Tell before the first question what a person can type besides answers."""
+        if self._is_first:
+            self._is_first = False
+            keys = "Enter takes what stands in [ ]; Ctrl-C stops safely, and --resume goes on there"
+            say(styled(keys, "dim", sys.stderr))
 
     def _words(self, key: str, prompt: str) -> str:
         try:

@@ -486,10 +486,13 @@ def test_a_person_is_asked_again_until_the_answer_is_one(
 ) -> None:
     from calibration.requests import Ask
 
-    asker = TerminalAsker(tmp_path, lines("wide", "", "2.5"))
+    asker = TerminalAsker(tmp_path, lines("wide", "", "2.5", "3"))
     ask = Ask(key="width", question="How wide?", kind="number", unit="mm")
     assert asker.answer(ask) == 2.5
-    assert "width: a number is expected, not 'wide'" in capsys.readouterr().err
+    assert asker.answer(ask) == 3.0
+    said = capsys.readouterr().err
+    assert "width: a number is expected, not 'wide'" in said
+    assert said.count("Ctrl-C stops safely") == 1
     with_default = Ask(key="w", question="?", kind="number", default=7.0)
     assert TerminalAsker(tmp_path, lines("")).answer(with_default) == 7.0
     assert TerminalAsker(tmp_path, lines("")).answer(Ask(key="d", question="?", kind="done"))
