@@ -31,7 +31,7 @@ def checked(
     Raises:
         CalibrationError: The record holds no lens.
     """
-    found = list(findings)
+    found = grouped(findings)
     value = record.values.get(f"cameras.{record.subject}.lens")
     if value is None or size_px is None:
         raise CalibrationError(f"calibration {record.identity[:8]} holds no lens to check")
@@ -76,6 +76,43 @@ def checked(
         ),
         findings=tuple(found),
         based_on=(record.identity,),
+    )
+
+
+def grouped(findings: Sequence[Finding]) -> list[Finding]:
+    """Return findings with those of one code and grade told once."""
+    kinds: dict[tuple[str, Grade], list[Finding]] = {}
+    for finding in findings:
+        kinds.setdefault((finding.code, finding.grade), []).append(finding)
+    return [
+        same[0] if len(same) == 1
+        else same[0].model_copy(
+            update={
+                "text": f"{len(same)} times; the first: {same[0].text}",
+                "samples": tuple(dict.fromkeys(label for one in same for label in one.samples)),
+            }
+        )
+        for same in kinds.values()
+    ]  # fmt: skip
+
+
+def unchecked(site: Site, record: CalibrationRecord) -> Measurement:
+    """Return that a lens cannot be checked as nobody holds a board into view."""
+    guid = site.profile.cameras[record.subject].guid
+    is_other = record.details.get("guid") != guid
+    note = Finding(
+        code="no-board",
+        grade=Grade.OK,
+        text="the lens cannot be checked without a board: whether it changed is not told",
+        hint="hold the board into view, or take pictures of it, and answer has_board=yes",
+    )
+    return Measurement(
+        kind=record.kind,
+        subject=record.subject,
+        method=f"the lens of {record.identity[:8]} was not looked at: no board",
+        findings=(wrong_camera(record, guid),) if is_other else (note,),
+        based_on=(record.identity,),
+        not_known=("whether the lens changed: nobody held a board",),
     )
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from pydantic import JsonValue
 
 from calibration.catalogue import Site
 from calibration.errors import CalibrationError, FitFailed
-from calibration.lens.checking import checked
+from calibration.lens.checking import checked, unchecked
 from calibration.lens.fit import BoardView, LensPrior, fit_lens
 from calibration.lens.judging import guidance, other_board, without_board
 from calibration.lens.result import judged
@@ -20,6 +21,7 @@ from calibration.procedure import (
     ask_choice,
     ask_number,
     ask_text,
+    ask_whole,
     ask_yes,
     capture,
     read_picture,
@@ -34,6 +36,7 @@ _MODELS = ("k1", "k1 k2", "k1 k2 p1 p2", "k1 k2 k3 p1 p2")
 _LIVE_VIEWS = 12
 _RANGE = re.compile(r"\{(\d+)-(\d+)\}")
 _MOST_FILES = 500
+_MOST_SQUARES = 100
 
 
 @dataclass(slots=True)
@@ -105,29 +108,48 @@ def calibrate_lens(site: Site) -> Procedure:
     return _judged(site, camera, gathered, prior, quality_px, distance_mm)
 
 
-def ask_board() -> Steps[Board]:
-    """Ask which board is used."""
+def ask_board(usual: JsonValue = None) -> Steps[Board]:
+    """Ask which board is used; what a record's details tell of its board is the default."""
+    told = usual if isinstance(usual, dict) else {}
     kind = yield from ask_choice(
-        "board", "Which board?", ("charuco", "chessboard"), default="charuco"
+        "board",
+        "Which board?",
+        ("charuco", "chessboard"),
+        default="chessboard" if told.get("kind") == "chessboard" else "charuco",
     )
-    columns = yield from ask_number("columns", "How many squares across?", default=11)
-    rows = yield from ask_number("rows", "How many squares down?", default=8)
-    square_mm = yield from ask_number("square", "How large is a square?", unit="mm", default=30.0)
+    columns = yield from ask_whole(
+        "columns", "How many squares across?", low=2, high=_MOST_SQUARES,
+        default=round(_figure(told, "columns", 11.0)),
+    )  # fmt: skip
+    rows = yield from ask_whole(
+        "rows", "How many squares down?", low=2, high=_MOST_SQUARES,
+        default=round(_figure(told, "rows", 8.0)),
+    )  # fmt: skip
+    square_mm = yield from ask_number(
+        "square", "How large is a square?", unit="mm", default=_figure(told, "square_mm", 30.0)
+    )
     marker_mm, dictionary = 0.0, "DICT_5X5_100"
     if kind == "charuco":
         marker_mm = yield from ask_number(
-            "marker", "How large is a marker?", unit="mm", default=22.0
+            "marker", "How large is a marker?", unit="mm", default=_figure(told, "marker_mm", 22.0)
         )
         dictionary = yield from ask_text(
-            "dictionary", "Which dictionary are its markers of?", default=dictionary
+            "dictionary",
+            "Which dictionary are its markers of?",
+            default=str(told.get("dictionary") or dictionary),
         )
     try:
         return Board(
-            kind="charuco" if kind == "charuco" else "chessboard", columns=int(columns),
-            rows=int(rows), square_mm=square_mm, marker_mm=marker_mm, dictionary=dictionary,
+            kind="charuco" if kind == "charuco" else "chessboard", columns=columns,
+            rows=rows, square_mm=square_mm, marker_mm=marker_mm, dictionary=dictionary,
         )  # fmt: skip
     except ValueError as error:
         raise CalibrationError(f"there is no such board: {error}") from error
+
+
+def _figure(told: Mapping[str, JsonValue], name: str, otherwise: float) -> float:
+    value = told.get(name)
+    return float(value) if isinstance(value, int | float) and value > 0 else otherwise
 
 
 def gather(camera: str, board: Board, prior: LensPrior) -> Steps[_Gathered]:
@@ -250,7 +272,17 @@ def expanded(text: str) -> list[str]:
 
 
 def check_lens(site: Site, record: CalibrationRecord) -> Procedure:
-    """Check a lens on fresh views of a board: the lens is held, only poses are fitted."""
-    board = yield from ask_board()
+    """Check a lens on fresh views of a board: the lens is held, only poses are fitted.
+
+    Nobody who holds a board is there by default: then nothing is looked at, and that is said.
+    """
+    has_board = yield from ask_yes(
+        "has_board",
+        "Does somebody hold the board into view, or are there pictures of it in files?",
+        default=False,
+    )
+    if not has_board:
+        return unchecked(site, record)
+    board = yield from ask_board(record.details.get("board"))
     gathered = yield from gather(record.subject, board, LensPrior())
     return checked(site, record, board, gathered.views, gathered.findings, gathered.size_px)

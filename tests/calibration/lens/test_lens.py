@@ -11,7 +11,7 @@ import pytest
 
 from calibration.lens.checking import checked
 from calibration.lens.fit import BoardView, LensPrior, fit_lens
-from calibration.lens.procedure import calibrate_lens, expanded
+from calibration.lens.procedure import calibrate_lens, check_lens, expanded
 from calibration.lens.result import judged
 from calibration.pictures import read_picture_file
 from calibration.player import play
@@ -25,7 +25,7 @@ from cell.vision.boards import Board, BoardCorners, find_board
 from tests.calibration.hidden_truth import hidden, true_view
 from tests.calibration.lens.boards import BOARD, board_views
 from tests.calibration.moment import MOMENT
-from tests.calibration.playing import Answers, codes, site_of
+from tests.calibration.playing import Answers, codes, played, site_of
 
 PHOTOGRAPHS = Path(__file__).parents[2] / "data" / "photographs"
 WIDE = LensModel(
@@ -189,3 +189,15 @@ def test_a_lens_that_was_turned_fails_its_check() -> None:
 
 def test_names_with_numbers_are_counted_out() -> None:
     assert expanded("a{08-11}.png, b.png") == ["a08.png", "a09.png", "a10.png", "a11.png", "b.png"]
+
+
+def test_a_check_that_nobody_attends_takes_no_pictures_and_says_so() -> None:
+    profile = load_profile("mash")
+    _, views = board_views(WIDE, 10, np.random.default_rng(6), noise_px=0.2)
+    found = judged("top", profile.cameras["top"].guid, BOARD, views, (1280, 960), LensPrior(),
+                   quality_px=1.0)  # fmt: skip
+    record = make_record(found, cell="mash", measured_at=MOMENT, versions={}, answers={})
+    seen = played(check_lens(site_of(profile), record), {})
+    assert codes(seen) == ["no-board"]
+    assert seen.grade.value == "OK"
+    assert seen.not_known
