@@ -157,7 +157,9 @@ def search_findings(found: Found, target: Target) -> Iterator[Finding]:
             text=f"the white balance is at its end and would have to go on: {asked}",
             hint="use lamps of one colour that is nearer to white",
         )
-    if error > MOST_ERROR and abs(green) <= _SHORT_LOG and not beyond:
+    if not math.isfinite(error):
+        yield _nothing_to_compare(found, target)
+    elif error > MOST_ERROR and abs(green) <= _SHORT_LOG and not beyond:
         yield Finding(
             code="not-reached",
             grade=Grade.BAD,
@@ -165,6 +167,27 @@ def search_findings(found: Found, target: Target) -> Iterator[Finding]:
             f"{len(found.tries)} pictures; {MOST_ERROR:g} are allowed",
             hint="see whether the light changes while it is measured, and repeat",
         )
+
+
+def _nothing_to_compare(found: Found, target: Target) -> Finding:
+    """Return why no patch of the picture could be held against its target."""
+    best = found.best.match
+    if best.clipped_share >= best.dark_share:
+        return Finding(
+            code="clipped-area",
+            grade=Grade.BAD,
+            text=f"{100 * best.clipped_share:.0f} % of the patches of {target.source} are clipped "
+            "in the picture: how bright they are is not known",
+            hint="choose a darker grey area that no lamp is mirrored in, or ask for a lower grey "
+            "level",
+        )
+    return Finding(
+        code="dark-area",
+        grade=Grade.BAD,
+        text=f"{100 * best.dark_share:.0f} % of the patches of {target.source} are black in the "
+        "picture: they tell no colour",
+        hint="choose a brighter grey area, or switch the lights on",
+    )
 
 
 def knob_findings(knobs: Knobs) -> Iterator[Finding]:

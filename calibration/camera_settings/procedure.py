@@ -9,7 +9,14 @@ from pydantic import JsonValue
 from calibration.camera_settings import judge
 from calibration.camera_settings.keeping import look, measurement, profile_values
 from calibration.camera_settings.knobs import knobs_of, turn
-from calibration.camera_settings.setting import ask_setting, prepare, set_the_others, take_back
+from calibration.camera_settings.presets import TABLE_C1
+from calibration.camera_settings.setting import (
+    ask_setting,
+    kept_record_target,
+    prepare,
+    set_the_others,
+    take_back,
+)
 from calibration.camera_settings.ways import by_reference, by_values
 from calibration.catalogue import Site
 from calibration.procedure import (
@@ -41,8 +48,12 @@ def camera_settings(site: Site) -> Procedure:
         "mains", "Which frequency has the mains?", unit="Hz", default=50.0
     )
     knobs = knobs_of(features, mains_hz)
+    has_reference = kept_record_target(site, setting.subject) is not None
     method = yield from ask_choice(
-        "method", "How shall the camera be set?", METHODS, default="reference"
+        "method",
+        "How shall the camera be set?",
+        METHODS,
+        default="table" if setting.camera in TABLE_C1 and not has_reference else "reference",
     )
     if method in ("reference", "grey"):
         outcome = yield from by_reference(site, setting, knobs, method, before)

@@ -136,8 +136,8 @@ def _no_reference(setting: Setting) -> Finding:
         code="no-reference",
         grade=Grade.BAD,
         text=f"no reference of camera {setting.subject} is kept and none was given",
-        hint="set the camera by hand, by a grey area or from the table first; its picture is "
-        "then the reference",
+        hint="set the camera from the table (`--set method=table`), by a grey area (grey) or by "
+        "hand (by-hand) first; its picture is then the reference",
     )
 
 

@@ -247,7 +247,9 @@ def test_lamps_that_are_too_weak_are_told_with_what_is_missing(
 
 def test_nothing_to_compare_with_is_named() -> None:
     bench = Bench()
-    assert codes(bench.run(camera_settings(bench.site()))) == {"no-reference"}
+    refused = bench.run(camera_settings(bench.site()), method="reference")
+    assert codes(refused) == {"no-reference"}
+    assert "--set method=table" in refused.findings[0].hint
 
 
 # Do they still hold?
