@@ -261,7 +261,9 @@ def _region(known: CameraKnowledge, pairs: Pairs) -> Region:
 def _not_known(known: CameraKnowledge, fit: TableFit, pairs: Sequence[Pair]) -> tuple[str, ...]:
     texts = []
     if isinstance(fit, PlaneFit):
-        texts.append("what the lens bends: between the points it can be off by more than stated")
+        texts.append(
+            "what the lens bends: the predicted error leaves it out and is too small by it"
+        )
         texts.append("other heights than that of the block tops")
     elif known.lens_covariance is None:
         texts.append("how well the lens is known: it is taken for exact")
