@@ -172,7 +172,7 @@ def verdict_lines(measured: Measurement) -> list[str]:
         worst = (
             ""
             if accuracy.predicted_max is None
-            else f", {accuracy.predicted_max:.3g} at the worst place (95 %)"
+            else f", {accuracy.predicted_max:.3g} at the worst place, taken by itself (95 %)"
         )
         lines.append(f"  predicted  {accuracy.predicted_rms:.3g} {unit}{worst}")
     if accuracy.map_rms is not None:
