@@ -30,6 +30,7 @@ from cell.geometry import TableView
 from cell.profile import Profile
 from cell.store import StorePlan, StoreSlot, TablePlace
 from cell.vision.blocks import find_blocks
+from cell.vision.viewpoints import mapped_cameras
 
 _SPOTS_MM = tuple(
     (x_mm, y_mm) for y_mm in (-280.0, -120.0, 40.0, 200.0) for x_mm in (360.0, 495.0, 630.0)
@@ -71,7 +72,7 @@ class Seen:
 
 
 def seeing_cameras(site: Site) -> tuple[Profile, StorePlan, list[str]]:
-    """Return the cameras whose picture is mapped to the playground.
+    """Return the cameras whose picture is mapped to the playground, the best one first.
 
     Raises:
         CalibrationError: The cell has no playground, no store or no such camera.
@@ -80,8 +81,7 @@ def seeing_cameras(site: Site) -> tuple[Profile, StorePlan, list[str]]:
         raise CalibrationError(
             f"the cell {site.profile.name} has no playground with a store of blocks to learn from"
         )
-    top_mm = _top_mm(site.profile)
-    names = [n for n, c in site.profile.cameras.items() if c.view(top_mm) is not None]
+    names = list(mapped_cameras(site.profile))
     if not names:
         raise CalibrationError(
             "no camera's picture is mapped to the table; calibrate one first, such as by "

@@ -22,6 +22,7 @@ from cell.profile import Profile
 from cell.vision.learned import recognition_model
 from cell.vision.recognition import Recognition, TwoPictures, UnknownThing, recognise
 from cell.vision.sight import TableSight
+from cell.vision.viewpoints import mapped_cameras
 
 _LEAST_DEVIATION_MM = 0.4
 """Lens, calibration and placement leave this, however well one picture is fitted (assumed)."""
@@ -62,15 +63,14 @@ class Look:
 
 
 def seeing_camera(profile: Profile) -> str:
-    """Return the camera whose pictures can be mapped to the table.
+    """Return the camera that sees the playground best of those mapped to it.
 
     Raises:
         VisionError: No camera of the profile is.
     """
-    top_mm = profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
-    for name, camera in profile.cameras.items():
-        if camera.view(top_mm) is not None:
-            return name
+    mapped = mapped_cameras(profile)
+    if mapped:
+        return mapped[0]
     raise VisionError(
         "no camera of the profile is mapped to the table (plane_map, or lens and place); "
         "calibrate the top camera first"
