@@ -110,8 +110,11 @@ def test_a_cell_s_demands_are_held_against_every_subject_of_a_kind() -> None:
     assert unmet_by_kind({"homography": 1.0}, [top]) == []
     (told,) = unmet_by_kind({"homography": 1.0}, [top, oblique])
     assert "homography of oblique has 4 mm" in told
-    (told,) = unmet_by_kind({"lattice": 1.0}, [top, oblique])
-    assert told == "1 mm are demanded, but no lattice is known: none is kept; calibrate again"
+    (told,) = unmet_by_kind({"world": 1.0}, [top, oblique])
+    assert told == (
+        "1 mm are demanded, but no world is known: none is kept; calibrate it: "
+        "`cell calibrate world`"
+    )
     assert unmet_by_kind({}, []) == []
 
 

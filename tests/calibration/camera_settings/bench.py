@@ -109,8 +109,9 @@ class Bench:
         return self.camera(name).grab_fresh().pixels
 
     def run(self, procedure: Procedure, **given: Value) -> Measurement:
-        """Play a procedure."""
-        return play(procedure, hands=self, asker=Answers(given), stop=StopToken())
+        """Play a procedure; camera settings by a reference unless another method is given."""
+        answers = {"method": "reference", **given}
+        return play(procedure, hands=self, asker=Answers(answers), stop=StopToken())
 
     def site(self, *records: CalibrationRecord) -> Site:
         """Return what procedures know beforehand."""

@@ -11,15 +11,19 @@ import pytest
 from calibration.applying import calibrated_profile
 from calibration.camera_settings.checking import check_camera_settings
 from calibration.camera_settings.procedure import camera_settings
+from calibration.player import play
 from calibration.record import CalibrationRecord
+from calibration.requests import Answer, Ask
 from calibration.verdict import Grade
 from cell.drivers.iidc.tables import SLOTS
 from cell.manipulation import Deployment
 from cell.profile import Profile
+from cell.stop import StopToken
 from cell.twin.cameras import flea2
 from cell.vision.picture_measures import patches
 from tests.calibration.camera_settings.bench import (
     PROFILE,
+    Answers,
     Bench,
     Pixels,
     codes,
@@ -292,3 +296,20 @@ def test_a_check_names_automatic_modes_changed_settings_blur_cap_and_dark() -> N
     bench.camera().configure(PROFILE.cameras["top"].settings)
     bench.cell.world.burn_out_lamps()
     assert "lights-off" in checked(bench)
+
+
+class Watching(Answers):
+    """Takes every default and notes the one of the method."""
+
+    def answer(self, ask: Ask) -> Answer:
+        if ask.key == "method":
+            self.asked.append(f"method {ask.default}")
+        return super().answer(ask)
+
+
+@pytest.mark.parametrize("is_kept", [False, True])
+def test_the_table_is_the_default_until_a_reference_is_kept(is_kept: bool) -> None:
+    bench, watching = Bench(), Watching({})
+    site = bench.site(table_record()) if is_kept else bench.site()
+    play(camera_settings(site), hands=bench, asker=watching, stop=StopToken())
+    assert f"method {'reference' if is_kept else 'table'}" in watching.asked

@@ -109,7 +109,7 @@ def test_a_hidden_screen_cannot_tell_and_is_not_ok(top: DotReference) -> None:
     for one in (blind, unlit):
         findings = judge([one])
         assert [f.code for f in findings] == ["cannot-tell"]
-        assert worst(findings) is Grade.DEGRADED
+        assert worst(findings) is Grade.BAD
 
 
 def test_a_hard_knock_is_found_though_all_dots_are_far_from_their_places(
