@@ -121,7 +121,7 @@ def _corners(
 def _camera_corners(
     first: CalibrationRecord, second: CalibrationRecord, profile: Profile, camera: str
 ) -> tuple[CornerShift, ...]:
-    height_mm = profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
+    height_mm = profile.block_top_mm
     views = []
     for record in (first, second):
         done = calibrate_where_it_fits(profile, [_with_supports(record)])

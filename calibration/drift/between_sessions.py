@@ -134,8 +134,7 @@ class DriftCheck:
 
     def _first(self, name: str) -> DotReference | None:
         """Return where a camera of which only a plane map is known should see the dots."""
-        heights = self._profile.heights
-        top_mm = heights.surface_mm + max(b.height_mm for b in self._profile.blocks.values())
+        top_mm = self._profile.block_top_mm
         view = self._profile.cameras[name].view(top_mm)
         like = camera_like(view, top_mm) if isinstance(view, PlaneView) else None
         return None if like is None else check.dot_reference(name, like, self._profile, None)

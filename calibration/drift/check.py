@@ -129,9 +129,9 @@ def references(
         if not camera.stands_still:
             continue
         rows = _rows_of(record, name, camera) or list((baselines or {}).get(name, ())) or None
-        view = camera.view(_top_mm(profile))
+        view = camera.view(profile.block_top_mm)
         if isinstance(view, PlaneView):
-            view = None if rows is None else camera_like(view, _top_mm(profile))
+            view = None if rows is None else camera_like(view, profile.block_top_mm)
         if isinstance(view, CameraView):
             found.append(dot_reference(name, view, profile, rows))
         else:
@@ -191,7 +191,7 @@ def motion_seen(was: DotReference, lit: Pixels, dark: Pixels, profile: Profile) 
         before,
         seen.pixels,
         glass_mm=profile.heights.surface_mm,
-        top_mm=_top_mm(profile),
+        top_mm=profile.block_top_mm,
         playground_mm=playground_grid(),
         allowance_mm=was.allowance_mm,
     )
@@ -318,10 +318,6 @@ def _rows_of(
     if not isinstance(kept, dict) or not isinstance(place, dict):
         return None
     return kept.get(name) if PlaceProfile.model_validate(place) == camera.place else None
-
-
-def _top_mm(profile: Profile) -> float:
-    return profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
 
 
 def as_details(seen: Sequence[Motion | Blind]) -> Mapping[str, JsonValue]:

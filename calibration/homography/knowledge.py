@@ -93,11 +93,6 @@ def playground_profile(site: Site) -> Profile:
     return site.profile
 
 
-def block_top_mm(profile: Profile) -> float:
-    """Return the height of the block tops above the robot's base plane."""
-    return profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
-
-
 def fixed_cameras(profile: Profile) -> tuple[str, ...]:
     """Return the cameras whose pictures can be mapped to the table: not those on the arm.
 
@@ -120,7 +115,7 @@ def knowledge_of(site: Site, camera: str) -> CameraKnowledge:
             f"the profile has no camera {camera}; it has {', '.join(profile.cameras)}"
         )
     known = profile.cameras[camera]
-    height_mm = block_top_mm(profile)
+    height_mm = profile.block_top_mm
     is_another = bool(known.plane_map_guid) and known.plane_map_guid != known.guid
     path = f"cameras.{camera}.lens"
     record = setters(site.current).get(path)

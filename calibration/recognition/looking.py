@@ -96,7 +96,7 @@ def table_of(profile: Profile, plan: StorePlan, camera: str) -> Table:
     Raises:
         CalibrationError: Its picture is not mapped to the table.
     """
-    top_mm = _top_mm(profile)
+    top_mm = profile.block_top_mm
     device = profile.cameras.get(camera)
     view = None if device is None else device.view(top_mm)
     if view is None:
@@ -198,7 +198,3 @@ def _place(index: int, number: int) -> TablePlace:
 def _pixel(table: Table, place: TablePlace) -> tuple[float, float]:
     u_px, v_px = table.view.to_picture(np.array([[place.x_mm, place.y_mm]]), table.top_mm)[0]
     return float(u_px), float(v_px)
-
-
-def _top_mm(profile: Profile) -> float:
-    return profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())

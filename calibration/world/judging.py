@@ -59,7 +59,7 @@ def _reach(profile: Profile, cells: Points, places: Points) -> Finding | None:
 
 
 def _view(profile: Profile, cells: Points, places: Points, camera: str) -> Finding | None:
-    top_mm = profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
+    top_mm = profile.block_top_mm
     view = profile.cameras[camera].view(top_mm)
     if view is None:
         return Finding(
@@ -98,7 +98,7 @@ def _screen(profile: Profile, cells: Points, places: Points) -> Finding | None:
     right = offset @ (math.cos(angle), math.sin(angle))
     down = offset @ (math.sin(angle), -math.cos(angle))
     half = _half_block(profile)
-    wide, high = display.width_px * display.pixel_mm, display.height_px * display.pixel_mm
+    wide, high = display.size_mm
     beyond = np.maximum.reduce([half - right, right + half - wide, half - down, down + half - high])
     worst = int(beyond.argmax())
     if beyond[worst] <= 0:

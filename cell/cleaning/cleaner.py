@@ -283,23 +283,13 @@ class PictureCleaner:
 
 def screen_field(display: DisplayProfile) -> Field:
     """Return the screen's picture, less a margin, as the field that blocks are pushed within."""
-    turn = math.radians(display.angle_deg)
-    cos, sin = math.cos(turn), math.sin(turn)
-    width, height = (n * display.pixel_mm for n in (display.width_px, display.height_px))
+    width, height = display.size_mm
     inset = _FIELD_INSET_MM
     corners = [
         (inset, inset), (inset, height - inset), (width - inset, height - inset),
         (width - inset, inset),
     ]  # fmt: skip
-    return Field(
-        corners=tuple(
-            (
-                display.corner_x_mm + cos * right + sin * down,
-                display.corner_y_mm + sin * right - cos * down,
-            )
-            for right, down in corners
-        )
-    )
+    return Field(corners=tuple(display.to_robot(right, down) for right, down in corners))
 
 
 def _ends(push: Push) -> tuple[Point, Point]:

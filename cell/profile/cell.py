@@ -121,3 +121,8 @@ class Profile(CellProfile):
     """What was learned of the blocks' looks, if it was."""
     twin: TwinProfile
     """How imperfect the twin is, and where its cameras stand."""
+
+    @property
+    def block_top_mm(self) -> float:
+        """Height of the upper faces of the highest blocks above the robot's base plane."""
+        return self.heights.surface_mm + max(b.height_mm for b in self.blocks.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -66,6 +67,20 @@ class DisplayProfile(Table):
     """Angle from robot X to the picture's rightward direction, counter-clockwise."""
     pixel_mm: Positive
     """Size of a pixel of the panel."""
+
+    @property
+    def size_mm(self) -> tuple[float, float]:
+        """Width and height of the picture."""
+        return self.width_px * self.pixel_mm, self.height_px * self.pixel_mm
+
+    def to_robot(self, right_mm: float, down_mm: float) -> tuple[float, float]:
+        """Return robot x, y of a place so far right of and below the picture's corner."""
+        turn = math.radians(self.angle_deg)
+        cos, sin = math.cos(turn), math.sin(turn)
+        return (
+            self.corner_x_mm + cos * right_mm + sin * down_mm,
+            self.corner_y_mm + sin * right_mm - cos * down_mm,
+        )
 
 
 class OutputsProfile(Table):

@@ -102,18 +102,14 @@ class TableSight:
         surface = profile.heights.surface_mm
         if camera not in profile.cameras:
             raise VisionError(f"the profile has no camera {camera!r}")
-        highest = max(block.height_mm for block in profile.blocks.values())
-        known = view or profile.cameras[camera].view(surface + highest)
+        known = view or profile.cameras[camera].view(profile.block_top_mm)
         if known is None:
             raise VisionError(
                 f"camera {camera}: its picture is not mapped to the table; calibrate it first"
             )
         display = profile.display
-        turn = math.radians(display.angle_deg)
-        right = np.array([math.cos(turn), math.sin(turn)]) * display.width_px * display.pixel_mm
-        down = np.array([math.sin(turn), -math.cos(turn)]) * display.height_px * display.pixel_mm
-        corner = np.array([display.corner_x_mm, display.corner_y_mm])
-        panel = np.array([corner, corner + right, corner + right + down, corner + down])
+        wide, high = display.size_mm
+        corners = ((0.0, 0.0), (wide, 0.0), (wide, high), (0.0, high))
         return TableSight(
             view=known,
             surface_mm=surface,
@@ -127,7 +123,7 @@ class TableSight:
                 )
                 for name, block in profile.blocks.items()
             ),
-            panel_mm=tuple((float(x), float(y)) for x, y in panel),
+            panel_mm=tuple(display.to_robot(right, down) for right, down in corners),
             pixel_mm=display.pixel_mm,
             display_angle_deg=display.angle_deg,
         )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,7 +21,7 @@ def mapped_cameras(profile: Profile) -> tuple[str, ...]:
     The best one shows a millimetre in the most pixels where it shows it in the fewest: close
     by, and from above rather than from the side, where blocks hide each other.
     """
-    top_mm = profile.heights.surface_mm + max(b.height_mm for b in profile.blocks.values())
+    top_mm = profile.block_top_mm
     places = _places(profile.display)
     fineness = {
         name: _least_px_per_mm(view, places, top_mm)
@@ -34,11 +32,8 @@ def mapped_cameras(profile: Profile) -> tuple[str, ...]:
 
 
 def _places(display: DisplayProfile) -> Points:
-    angle = math.radians(display.angle_deg)
-    right = np.array([math.cos(angle), math.sin(angle)]) * display.width_px * display.pixel_mm
-    down = np.array([math.sin(angle), -math.cos(angle)]) * display.height_px * display.pixel_mm
-    corner = np.array([display.corner_x_mm, display.corner_y_mm])
-    return np.array([corner + right * along + down * below for along, below in _SHARES])
+    wide, high = display.size_mm
+    return np.array([display.to_robot(wide * along, high * below) for along, below in _SHARES])
 
 
 def _least_px_per_mm(view: TableView, places: Points, height_mm: float) -> float:
