@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
+from calibration.camera_values import place_value
 from calibration.errors import FitFailed
 from calibration.homography.dlt import homography
 from calibration.homography.judging import Pairs, judge_pairs
@@ -209,11 +210,7 @@ def _values(known: CameraKnowledge, fit: TableFit, pairs: Pairs) -> dict[str, Js
         f"{camera}.place": None,
     }
     if isinstance(fit, PlaceFit):
-        pose = fit.view.robot_from_camera.to_pose()
-        values[f"{camera}.place"] = {
-            "position_mm": [pose.x_mm, pose.y_mm, pose.z_mm],
-            "rotation_deg": [pose.a_deg, pose.b_deg, pose.c_deg],
-        }
+        values[f"{camera}.place"] = place_value(fit.view.robot_from_camera.to_pose())
     return values
 
 

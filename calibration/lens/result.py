@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
+from calibration.camera_values import lens_value
 from calibration.errors import FitFailed
 from calibration.lens.fit import BoardView, LensFit, LensPrior, fit_lens, pose_of
 from calibration.lens.judging import (
@@ -21,7 +22,6 @@ from calibration.lens.judging import (
 from calibration.record import Accuracy, Correlation, Measurement, Parameter, Region, Sample
 from calibration.statistics import strong_correlations
 from calibration.verdict import Finding, Grade, worst
-from cell.geometry import LensModel
 from cell.vision.boards import Board
 
 Points = NDArray[np.float64]
@@ -258,16 +258,3 @@ def _full_covariance(fit: LensFit, scale: float) -> JsonValue:
     factors = np.array([scale] * 4 + [1.0] * 5)
     full = fit.lens_covariance * np.outer(factors, factors)
     return [[float(v) for v in row] for row in full]
-
-
-def lens_value(lens: LensModel) -> JsonValue:
-    """Return a lens as the profile's table of it."""
-    return {
-        "focal_px": [lens.focal_u_px, lens.focal_v_px],
-        "centre_px": [lens.centre_u_px, lens.centre_v_px],
-        "k1": lens.k1,
-        "k2": lens.k2,
-        "p1": lens.p1,
-        "p2": lens.p2,
-        "k3": lens.k3,
-    }

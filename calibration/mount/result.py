@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
+from calibration.camera_values import place_value
 from calibration.errors import FitFailed
 from calibration.mount.accuracy import held_out_mm, miss_mm, rms, table_deviations_mm
 from calibration.mount.fit import ArmNoise, MountFit
@@ -18,7 +19,7 @@ from calibration.mount.start import start_of
 from calibration.record import Accuracy, Correlation, Measurement, Parameter, Region, Sample
 from calibration.statistics import region_factor, strong_correlations
 from calibration.verdict import Finding, Grade, worst
-from cell.geometry import Pose, Transform
+from cell.geometry import Transform
 
 Points = NDArray[np.float64]
 
@@ -147,12 +148,12 @@ def _measurement(
         findings=tuple(found),
         values={} if worst(found) is Grade.BAD else {
             f"cameras.{camera}.lens": _lens_value(fit.state),
-            f"cameras.{camera}.mount": _place_value(pose),
+            f"cameras.{camera}.mount": place_value(pose),
         },
         details={
             "camera": camera,
             "target": target,
-            "target_place": _place_value(fit.state.targets[0].to_pose()),
+            "target_place": place_value(fit.state.targets[0].to_pose()),
             "sigma_px": fit.sigma_px,
             "arm_position_mm": noise.position_mm,
             "arm_angle_deg": noise.angle_deg,
@@ -218,10 +219,3 @@ def _lens_value(state: MountState) -> JsonValue:
         "focal_px": [focal, focal], "centre_px": [centre_u, centre_v],
         "k1": k1, "k2": k2, "p1": 0.0, "p2": 0.0, "k3": 0.0,
     }  # fmt: skip
-
-
-def _place_value(pose: Pose) -> JsonValue:
-    return {
-        "position_mm": [pose.x_mm, pose.y_mm, pose.z_mm],
-        "rotation_deg": [pose.a_deg, pose.b_deg, pose.c_deg],
-    }

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from pydantic import JsonValue
 
+from calibration.camera_values import lens_value, place_value
 from calibration.drift.check import DotReference
 from calibration.drift.dots import dot_places
 from calibration.playground import PLAYGROUND_MM
@@ -26,7 +27,6 @@ from calibration.screen.judge import judge_fit, predicted_mm
 from calibration.screen.patterns import Panel
 from calibration.statistics import chi_square_quantile, strong_correlations
 from calibration.verdict import Finding
-from cell.geometry import CameraView
 
 KIND: Final = "screen"
 METHOD: Final = (
@@ -114,35 +114,12 @@ def fresh_dots_mm(found: ScreenFit, panel: Panel, seen: DotReference) -> float:
     return float(np.sqrt(np.mean(np.sum(off**2, axis=1))))
 
 
-def lens_value(view: CameraView) -> dict[str, JsonValue]:
-    """Return a lens as the profile has it."""
-    lens = view.lens
-    return {
-        "focal_px": [lens.focal_u_px, lens.focal_v_px],
-        "centre_px": [lens.centre_u_px, lens.centre_v_px],
-        "k1": lens.k1,
-        "k2": lens.k2,
-        "p1": lens.p1,
-        "p2": lens.p2,
-        "k3": lens.k3,
-    }
-
-
-def place_value(view: CameraView) -> dict[str, JsonValue]:
-    """Return a camera's place as the profile has it."""
-    pose = view.robot_from_camera.to_pose()
-    return {
-        "position_mm": [pose.x_mm, pose.y_mm, pose.z_mm],
-        "rotation_deg": [pose.a_deg, pose.b_deg, pose.c_deg],
-    }
-
-
 def _values(found: ScreenFit) -> dict[str, JsonValue]:
     values: dict[str, JsonValue] = {}
     for name in found.given.cameras:
         view = found.view(name)
-        values[f"cameras.{name}.lens"] = lens_value(view)
-        values[f"cameras.{name}.place"] = place_value(view)
+        values[f"cameras.{name}.lens"] = lens_value(view.lens)
+        values[f"cameras.{name}.place"] = place_value(view.robot_from_camera.to_pose())
     if found.given.touches or found.given.blocks:
         place = found.place()
         values["display.corner_x_mm"] = place.corner_mm[0]
